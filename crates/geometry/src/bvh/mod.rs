@@ -1,0 +1,1 @@
+//! An 8-wide bounding volume hierarchy over triangles.
