@@ -1,1 +1,15 @@
-//! exchange
+//! How much of what leaves one element arrives at another. Knows geometry and no colour.
+
+pub mod elements;
+pub mod enclosure;
+pub mod kernels;
+pub mod luminaires;
+pub mod operator;
+pub mod samples;
+pub mod shots;
+
+pub use elements::Elements;
+pub use enclosure::Enclosure;
+pub use luminaires::{LightSample, Luminaire};
+pub use samples::Samples;
+pub use shots::Shot;

@@ -3,7 +3,10 @@
 //! This crate knows shapes only: no light, no colour, no files.
 
 pub mod bvh;
+pub mod chart;
 pub mod patches;
+pub mod sampling;
 
+pub use chart::Chart;
 pub use glam::{DVec3, Vec3};
 pub use patches::Patches;

@@ -28,16 +28,10 @@ impl Patches {
     ///
     /// # Panics
     /// If the arrays differ in length; callers build them together.
-    pub fn new(
-        polygons: Vec<[DVec3; 4]>,
-        surface: Vec<u32>,
-        face: Vec<u32>,
-        two_sided: Vec<bool>,
-    ) -> Self {
+    pub fn new(polygons: Vec<[DVec3; 4]>, surface: Vec<u32>, face: Vec<u32>, two_sided: Vec<bool>) -> Self {
         let n = polygons.len();
         assert!(surface.len() == n && face.len() == n && two_sided.len() == n);
-        let (mut area, mut centre, mut normal) =
-            (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
+        let (mut area, mut centre, mut normal) = (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
         for polygon in &polygons {
             let [a, b, c, d] = *polygon;
             // The vector area of any polygon abcd is half the cross product of its diagonals.

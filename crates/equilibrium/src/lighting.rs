@@ -1,0 +1,75 @@
+//! What shines and what reflects: the optics of a solve, apart from its geometry.
+
+use radiosity_exchange::luminaires::Luminaires;
+use radiosity_exchange::{Enclosure, Luminaire};
+
+/// Emission and reflectance per patch and band, and the lights without area.
+#[derive(Clone, Debug, Default)]
+pub struct Lighting {
+    /// The number of bands.
+    pub bands: usize,
+    /// Diffuse reflectance in [0, 1), patches x bands.
+    pub reflectance: Vec<f64>,
+    /// Radiant exitance, W/m2, patches x bands. Both sides of a two-sided patch emit it.
+    pub emission: Vec<f64>,
+    /// Lights without area.
+    pub lamps: Vec<Lamp>,
+}
+
+/// A light without area and its strength per band: W/sr for points and spots, W/m2 for directional light.
+#[derive(Clone, Debug)]
+pub struct Lamp {
+    /// Where it is and where it shines.
+    pub luminaire: Luminaire,
+    /// Per band.
+    pub strength: Vec<f64>,
+}
+
+/// An emitter is sampled by area when its exitance exceeds the scene's mean emission this many times: rays find
+/// weaker ones often enough, and in a scene where everything glows nothing is a lamp.
+const LAMP_CONTRAST: f64 = 6.0;
+
+/// At most this many emitting patches are sampled by area, the strongest; rays find the others.
+const MOST_LAMPS: usize = 4096;
+
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+impl Lighting {
+    /// The bands of patch `i`.
+    pub fn reflectance_of(&self, patch: usize) -> &[f64] {
+        &self.reflectance[patch * self.bands..(patch + 1) * self.bands]
+    }
+
+    /// The bands of patch `i`.
+    pub fn emission_of(&self, patch: usize) -> &[f64] {
+        &self.emission[patch * self.bands..(patch + 1) * self.bands]
+    }
+
+    /// Chooses what is sampled by area: strong emitters and every light without area, in a fixed order.
+    pub fn luminaires(&self, enclosure: &Enclosure) -> Luminaires {
+        let patches = enclosure.patches();
+        let exitance: Vec<f64> = (0..patches.len()).map(|i| mean(self.emission_of(i))).collect();
+        let area: f64 = (0..enclosure.sides()).map(|s| enclosure.area(s)).sum();
+        let flux: f64 = (0..enclosure.sides()).map(|s| enclosure.area(s) * exitance[enclosure.patch_of(s)]).sum();
+        let threshold = LAMP_CONTRAST * flux / area;
+        let mut sides: Vec<usize> = (0..enclosure.sides())
+            .filter(|&s| enclosure.area(s) > 0.0 && exitance[enclosure.patch_of(s)] > threshold)
+            .collect();
+        let power = |s: &usize| enclosure.area(*s) * exitance[enclosure.patch_of(*s)];
+        sides.sort_by(|a, b| power(b).total_cmp(&power(a)).then(a.cmp(b)));
+        sides.truncate(MOST_LAMPS);
+        sides.sort_unstable();
+        let mut luminaires = Luminaires::default();
+        for side in sides {
+            luminaires.list.push(Luminaire::Side(side as u32));
+            luminaires.strength.push(exitance[enclosure.patch_of(side)]);
+        }
+        for lamp in &self.lamps {
+            luminaires.list.push(lamp.luminaire);
+            luminaires.strength.push(mean(&lamp.strength));
+        }
+        luminaires
+    }
+}

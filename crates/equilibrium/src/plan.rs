@@ -1,0 +1,105 @@
+//! Where to spend the next samples.
+
+/// How fast the variance of a scrambled-net estimate falls with the number of samples: between 1 (Monte Carlo) and
+/// 3 (smooth integrands, Owen 1997); edges of shadows keep it nearer to 1.
+const RATE: f64 = 1.35;
+
+/// Plan for somewhat less error than asked: the plan is an extrapolation.
+const AIM: f64 = 0.85;
+
+/// Samples of one kind: what they cost nothing to know.
+pub(crate) struct Kind<'a> {
+    /// Samples per replicate so far, per side.
+    pub drawn: Vec<u32>,
+    /// Variance of the mean they leave, per side.
+    pub variance: &'a [f64],
+    /// Fewest and most per replicate.
+    pub range: (u32, u32),
+}
+
+/// Chooses samples per side and kind so that the area-weighted mean variance meets `target` at least cost.
+///
+/// With variance `v (n0/n)^RATE` the cost is least where each side's marginal gain is equal: `n` proportional to
+/// `(a v n0^RATE)^(1 / (1 + RATE))`. Counts are powers of two, where the sequences are most even.
+pub(crate) fn plan(kinds: &[Kind], area_share: &[f64], target: f64, growth: u32) -> Vec<Vec<u32>> {
+    let target = target * AIM * AIM;
+    let smoothed: Vec<Vec<f64>> = kinds.iter().map(|k| smooth(k.variance, area_share)).collect();
+    let base: Vec<Vec<f64>> = kinds
+        .iter()
+        .zip(&smoothed)
+        .map(|(kind, variance)| {
+            let demand = |(side, v): (usize, &f64)| {
+                (area_share[side] * v * f64::from(kind.drawn[side]).powf(RATE)).powf(1.0 / (1.0 + RATE))
+            };
+            variance.iter().enumerate().map(demand).collect()
+        })
+        .collect();
+    let count = |kind: &Kind, side: usize, wanted: f64| {
+        let drawn = kind.drawn[side];
+        let most = kind.range.1.min(drawn.saturating_mul(growth));
+        let n = (wanted.clamp(1.0, f64::from(1u32 << 30)) as u32).next_power_of_two();
+        n.max(drawn).max(kind.range.0).min(most.max(drawn))
+    };
+    let left = |factor: f64| -> f64 {
+        let mut sum = 0.0;
+        for ((kind, base), variance) in kinds.iter().zip(&base).zip(&smoothed) {
+            for side in 0..variance.len() {
+                let drawn = f64::from(kind.drawn[side]);
+                if drawn > 0.0 {
+                    let n = f64::from(count(kind, side, factor * base[side]));
+                    sum += area_share[side] * variance[side] * (drawn / n).powf(RATE);
+                }
+            }
+        }
+        sum
+    };
+    // `left` falls with the factor: bisect on its logarithm.
+    let (mut low, mut high) = (-20.0f64, 60.0f64);
+    for _ in 0..24 {
+        let middle = 0.5 * (low + high);
+        if left(middle.exp2()) > target { low = middle } else { high = middle }
+    }
+    let factor = high.exp2();
+    kinds
+        .iter()
+        .zip(&base)
+        .map(|(kind, base)| (0..base.len()).map(|side| count(kind, side, factor * base[side])).collect())
+        .collect()
+}
+
+/// Draws each side's variance, known from a few replicates only, somewhat toward the mean, so that a side that looks
+/// certain by luck is not left alone.
+fn smooth(variance: &[f64], area_share: &[f64]) -> Vec<f64> {
+    let mean: f64 = variance.iter().zip(area_share).map(|(v, a)| v * a).sum();
+    variance.iter().map(|v| 0.75 * v + 0.25 * mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_go_where_the_variance_is() {
+        let variance = vec![1.0, 1.0, 100.0, 1.0];
+        let kind = Kind { drawn: vec![16; 4], variance: &variance, range: (1, 1 << 16) };
+        let counts = plan(&[kind], &[0.25; 4], 1.0, 64).remove(0);
+        assert!(counts[2] > counts[0] && counts[0] == counts[1] && counts[0] >= 16, "{counts:?}");
+    }
+
+    #[test]
+    fn a_met_target_asks_for_nothing_more() {
+        let variance = vec![1.0; 3];
+        let kind = Kind { drawn: vec![8; 3], variance: &variance, range: (1, 1 << 16) };
+        assert_eq!(plan(&[kind], &[1.0 / 3.0; 3], 2.0, 16), vec![vec![8; 3]]);
+    }
+
+    #[test]
+    fn growth_and_range_bound_the_plan() {
+        let variance = vec![1.0];
+        let plan = |drawn, range, growth| {
+            plan(&[Kind { drawn: vec![drawn], variance: &variance, range }], &[1.0], 1e-12, growth)[0][0]
+        };
+        assert_eq!(plan(16, (1, 1 << 16), 8), 128);
+        assert_eq!(plan(16, (1, 64), 8), 64);
+    }
+}

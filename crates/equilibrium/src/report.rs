@@ -1,0 +1,92 @@
+//! What a solve says about itself.
+
+/// What kept an answer from being more accurate than it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// Nothing: the accuracy asked for is reached.
+    Accuracy,
+    /// The most rays per patch were spent.
+    Rays,
+    /// Light varies within patches more than their elements resolve: a finer mesh is needed.
+    PatchSize,
+    /// More samples would not fit the memory limit.
+    Memory,
+}
+
+impl Limit {
+    /// A word for tables and files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Limit::Accuracy => "accuracy",
+            Limit::Rays => "max_rays",
+            Limit::PatchSize => "patch_size",
+            Limit::Memory => "memory",
+        }
+    }
+}
+
+/// Energy, closure, error, effort. Powers are W per band.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// The accuracy asked for.
+    pub accuracy: f64,
+    /// Estimated error of irradiance: root mean square over area and bands, relative to the mean.
+    pub estimated_error: f64,
+    /// The part of the error that more rays would reduce.
+    pub sampling_error: f64,
+    /// The part of the error that smaller patches would reduce.
+    pub discretisation_error: f64,
+    /// What limited the accuracy.
+    pub limited_by: Option<Limit>,
+    /// Patches, sides (two-sided patches have two) and luminaires sampled by area.
+    pub patches: usize,
+    /// Sides that exchange light.
+    pub sides: usize,
+    /// What was sampled by area.
+    pub luminaires: usize,
+    /// Rays shot for rows.
+    pub rays: u64,
+    /// Visibility tests of luminaires.
+    pub shadow_rays: u64,
+    /// Rounds of sampling.
+    pub rounds: usize,
+    /// Iterations of the last solve.
+    pub iterations: usize,
+    /// Relative residual of the last solve.
+    pub residual: f64,
+    /// Whether the last solve converged.
+    pub converged: bool,
+    /// Power emitted by surfaces.
+    pub emitted: Vec<f64>,
+    /// Power that lights without area put on surfaces.
+    pub from_lights: Vec<f64>,
+    /// Power absorbed by the sides.
+    pub absorbed: Vec<f64>,
+    /// Power that left the scene.
+    pub escaped: Vec<f64>,
+    /// Power absorbed by black backs of one-sided patches, and emitted where a solid stands on a patch.
+    pub lost_on_backs: Vec<f64>,
+    /// Power in less power out, relative to power in, the worst band.
+    pub imbalance: f64,
+    /// Least, mean (by area) and greatest raw row sum of the form factors.
+    pub closure: (f64, f64, f64),
+    /// The share of rays that left the scene.
+    pub escape_share: f64,
+    /// The worst relative deviation of row sums from their targets after balancing.
+    pub closure_residual: f64,
+    /// Bytes held by geometry, samples and operator at the end.
+    pub memory_bytes: usize,
+    /// Seconds spent on the ray hierarchy, on sampling, on solving and in all.
+    pub seconds: Seconds,
+}
+
+/// Wall time by stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seconds {
+    /// Shooting and light sampling.
+    pub sampling: f64,
+    /// Building operators, solving, gathering, estimating.
+    pub solving: f64,
+    /// All of it.
+    pub total: f64,
+}

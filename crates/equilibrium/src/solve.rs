@@ -1,0 +1,392 @@
+//! The loop that raises the sampling until the estimated error meets the request.
+
+use crate::answer::{Answer, Solver, Task, ratio};
+use crate::error::{Estimate, estimate};
+use crate::lighting::Lighting;
+use crate::plan::{Kind, plan};
+use crate::report::{Limit, Report};
+use crate::transport::Transport;
+use radiosity_exchange::operator::ElementExchange;
+use radiosity_exchange::{Elements, Enclosure, Shot};
+use radiosity_operator::{Cancelled, Control};
+use radiosity_solvers::{SolveOptions, Stop, conjugate_gradient, jacobi};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The solver on the symmetric operator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Fewest products.
+    ConjugateGradient,
+    /// Plainest.
+    Jacobi,
+}
+
+/// What to do about row sums that sampling left off their known values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Closure {
+    /// Scale rows and columns alike until rows sum to the share of rays that land, to within the accuracy asked for.
+    Balanced,
+    /// The same to 1e-9.
+    Exact,
+}
+
+/// What is asked of a solve.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Wanted error of irradiance: root mean square over area and bands, relative to the mean.
+    pub accuracy: f64,
+    /// The same seed gives the same bytes.
+    pub seed: u64,
+    /// Most rays per side, all replicates together.
+    pub max_rays: u32,
+    /// Bytes the samples and the operator may take; a plan that needs more is not begun.
+    pub memory_limit: u64,
+    /// The solver.
+    pub method: Method,
+    /// The treatment of row sums.
+    pub closure: Closure,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            accuracy: 0.01,
+            seed: 0,
+            max_rays: 1 << 18,
+            memory_limit: u64::MAX,
+            method: Method::ConjugateGradient,
+            closure: Closure::Balanced,
+        }
+    }
+}
+
+/// Why there is no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Failure {
+    /// Stopped on request.
+    #[error("stopped on request")]
+    Cancelled,
+    /// Even the first round does not fit.
+    #[error(
+        "{patches} patches need at least {needed} bytes and the limit is {limit}; raise the limit or use fewer patches"
+    )]
+    Memory {
+        /// Patches asked for.
+        patches: usize,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Failure::Cancelled
+    }
+}
+
+/// The equilibrium of light. Blocks are sides x bands: fronts of all patches, then backs of the two-sided ones.
+pub struct Solution {
+    /// W/m2.
+    pub irradiance: Vec<f64>,
+    /// W/m2.
+    pub radiosity: Vec<f64>,
+    /// Estimated standard error of irradiance, W/m2.
+    pub error: Vec<f64>,
+    /// What the solve says about itself.
+    pub report: Report,
+    /// The measured exchange, for another lighting of the same geometry.
+    pub transport: Arc<Transport>,
+}
+
+/// Independent replicates: enough for an estimate of the error, few enough that each is long.
+const REPLICATES: usize = 4;
+
+/// A round multiplies the samples of a side by at most this.
+const GROWTH: u32 = 32;
+
+/// Bytes per sample while an operator is built: the sample, its pair, its two entries.
+const BYTES_PER_RAY: u64 = 8 + 12 + 16;
+const BYTES_PER_LIGHT_SAMPLE: u64 = 12 + 12 + 16;
+
+/// Solves to the accuracy asked for, or as near as the limits allow; the report says which.
+pub fn solve(
+    enclosure: Arc<Enclosure>,
+    lighting: &Lighting,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Solution, Failure> {
+    let start = Instant::now();
+    let sides = enclosure.sides();
+    let luminaires = lighting.luminaires(&enclosure);
+    let has_luminaires = !luminaires.list.is_empty();
+    let mut transport = Transport::new(enclosure, luminaires, REPLICATES, settings.seed);
+    let most = settings.max_rays.div_ceil(REPLICATES as u32);
+    let (first_rays, first_lights) = first_round(settings.accuracy);
+    let mut wanted =
+        (vec![first_rays.min(most); sides], vec![if has_luminaires { first_lights.min(most) } else { 0 }; sides]);
+    let needed = forecast(&wanted.0, &wanted.1);
+    if needed > settings.memory_limit {
+        let patches = transport.enclosure().patches().len();
+        return Err(Failure::Memory { patches, needed, limit: settings.memory_limit });
+    }
+    let mut seconds = crate::report::Seconds::default();
+    let mut rounds = 0;
+    loop {
+        rounds += 1;
+        let before = Instant::now();
+        announce(&transport, &wanted, control);
+        transport.refine(&wanted.0, &wanted.1, control)?;
+        seconds.sampling += before.elapsed().as_secs_f64();
+        let before = Instant::now();
+        let exchange = exchange(&transport, settings);
+        let task = task(&transport, lighting, &exchange, settings, control);
+        let answer = task.answer()?;
+        let estimate = estimate(&task, &answer)?;
+        seconds.solving += before.elapsed().as_secs_f64();
+        let step = next(&transport, &estimate, settings, most);
+        match step {
+            Step::Sample(rays, lights) => wanted = (rays, lights),
+            Step::Stop(limit) => {
+                seconds.total = start.elapsed().as_secs_f64();
+                let report =
+                    Report { rounds, seconds, limited_by: Some(limit), ..report(&task, &answer, &estimate, settings) };
+                let (radiosity, irradiance) = (radiosity(&task, &answer), answer.irradiance);
+                let error = estimate.standard_error;
+                return Ok(Solution { irradiance, radiosity, error, report, transport: Arc::new(transport) });
+            }
+        }
+    }
+}
+
+/// Solves again on samples already taken: same geometry, other lamps or paint.
+pub fn relight(
+    transport: &Arc<Transport>,
+    lighting: &Lighting,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Solution, Failure> {
+    let start = Instant::now();
+    let exchange = exchange(transport, settings);
+    let task = task(transport, lighting, &exchange, settings, control);
+    let answer = task.answer()?;
+    let estimate = estimate(&task, &answer)?;
+    let limited_by = Some(if estimate.relative <= settings.accuracy { Limit::Accuracy } else { Limit::Rays });
+    let total = start.elapsed().as_secs_f64();
+    let seconds = crate::report::Seconds { sampling: 0.0, solving: total, total };
+    let report = Report { seconds, limited_by, ..report(&task, &answer, &estimate, settings) };
+    let (radiosity, irradiance) = (radiosity(&task, &answer), answer.irradiance);
+    Ok(Solution { irradiance, radiosity, error: estimate.standard_error, report, transport: transport.clone() })
+}
+
+/// Rays and light samples per replicate to begin with: few enough to be surpassed, enough to plan by.
+fn first_round(accuracy: f64) -> (u32, u32) {
+    if accuracy >= 0.05 { (8, 4) } else { (16, 8) }
+}
+
+fn forecast(rays: &[u32], lights: &[u32]) -> u64 {
+    let total = |counts: &[u32]| counts.iter().map(|&n| u64::from(n)).sum::<u64>() * REPLICATES as u64;
+    total(rays) * BYTES_PER_RAY + total(lights) * BYTES_PER_LIGHT_SAMPLE
+}
+
+fn announce(transport: &Transport, wanted: &(Vec<u32>, Vec<u32>), control: &Control) {
+    let new = |wanted: &[u32], drawn: &dyn Fn(usize) -> u32| -> u64 {
+        wanted.iter().enumerate().map(|(i, &n)| u64::from(n.saturating_sub(drawn(i)))).sum()
+    };
+    let rays = new(&wanted.0, &|i| transport.shots().per_replicate(i));
+    let lights = new(&wanted.1, &|i| transport.lights().per_replicate(i));
+    control.expect((rays + lights) * REPLICATES as u64);
+}
+
+fn exchange(transport: &Transport, settings: &Settings) -> ElementExchange {
+    let balance = match settings.closure {
+        Closure::Balanced => (0.1 * settings.accuracy.min(0.1), 12),
+        Closure::Exact => (1e-9, 500),
+    };
+    transport.on(&Elements::whole(transport.enclosure()), Some(balance))
+}
+
+fn task<'a>(
+    transport: &'a Transport,
+    lighting: &'a Lighting,
+    exchange: &'a ElementExchange,
+    settings: &Settings,
+    control: &'a Control,
+) -> Task<'a> {
+    // The error of B is at most the residual over 1 - rho.
+    let highest = lighting.reflectance.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let tolerance = match settings.closure {
+        Closure::Balanced => 0.02 * settings.accuracy.min(0.1) * (1.0 - highest),
+        Closure::Exact => 1e-9 * (1.0 - highest),
+    };
+    let solver: Solver = match settings.method {
+        Method::ConjugateGradient => conjugate_gradient,
+        Method::Jacobi => jacobi,
+    };
+    let options = SolveOptions { tolerance, max_iterations: 100_000 };
+    Task { transport, lighting, exchange, solver, options, control }
+}
+
+enum Step {
+    Sample(Vec<u32>, Vec<u32>),
+    Stop(Limit),
+}
+
+fn next(transport: &Transport, estimate: &Estimate, settings: &Settings, most: u32) -> Step {
+    if estimate.relative <= settings.accuracy || estimate.mean_irradiance == 0.0 {
+        return Step::Stop(Limit::Accuracy);
+    }
+    // Leave sampling what elements do not take; if they take nearly all, more rays are wasted.
+    let allowed = settings.accuracy.powi(2) - estimate.relative_elements.powi(2);
+    let patch_size = allowed < 0.25 * settings.accuracy.powi(2);
+    if patch_size && estimate.relative_sampling <= 0.5 * settings.accuracy {
+        return Step::Stop(Limit::PatchSize);
+    }
+    let allowed = allowed.max(0.2 * settings.accuracy.powi(2));
+    let enclosure = transport.enclosure();
+    let total: f64 = (0..enclosure.sides()).map(|s| enclosure.area(s)).sum();
+    let share: Vec<f64> = (0..enclosure.sides()).map(|s| enclosure.area(s) / total).collect();
+    // What interreflection adds to the noise falls along with its source.
+    let own: f64 = (0..share.len()).map(|s| share[s] * (estimate.ray_variance[s] + estimate.light_variance[s])).sum();
+    let all = (estimate.relative_sampling * estimate.mean_irradiance).powi(2);
+    let target = allowed * estimate.mean_irradiance.powi(2) * ratio(own, all).min(1.0);
+    let counts = |samples: &dyn Fn(usize) -> u32| (0..share.len()).map(samples).collect::<Vec<u32>>();
+    let kinds = [
+        Kind {
+            drawn: counts(&|s| transport.shots().per_replicate(s)),
+            variance: &estimate.ray_variance,
+            range: (1, most),
+        },
+        Kind {
+            drawn: counts(&|s| transport.lights().per_replicate(s)),
+            variance: &estimate.light_variance,
+            range: (0, most),
+        },
+    ];
+    let mut wanted = plan(&kinds, &share, target, GROWTH);
+    let lights = wanted.pop().unwrap_or_default();
+    let rays = wanted.pop().unwrap_or_default();
+    if rays == kinds[0].drawn && lights == kinds[1].drawn {
+        let exhausted = rays.iter().chain(&lights).any(|&n| n >= most);
+        return if exhausted {
+            Step::Stop(Limit::Rays)
+        } else {
+            Step::Sample(doubled(&rays, most), doubled(&lights, most))
+        };
+    }
+    if forecast(&rays, &lights) > settings.memory_limit {
+        return Step::Stop(Limit::Memory);
+    }
+    Step::Sample(rays, lights)
+}
+
+fn doubled(counts: &[u32], most: u32) -> Vec<u32> {
+    counts.iter().map(|&n| (2 * n).min(most)).collect()
+}
+
+/// `B = E + rho H`.
+fn radiosity(task: &Task, answer: &Answer) -> Vec<f64> {
+    let bands = task.lighting.bands;
+    answer
+        .irradiance
+        .iter()
+        .enumerate()
+        .map(|(k, h)| {
+            let patch = task.transport.enclosure().patch_of(k / bands);
+            task.lighting.emission_of(patch)[k % bands] + task.lighting.reflectance_of(patch)[k % bands] * h
+        })
+        .collect()
+}
+
+fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings) -> Report {
+    let (transport, enclosure, bands) = (task.transport, task.transport.enclosure(), task.lighting.bands);
+    let radiosity = radiosity(task, answer);
+    let mut r = Report {
+        accuracy: settings.accuracy,
+        estimated_error: estimate.relative,
+        sampling_error: estimate.relative_sampling,
+        discretisation_error: estimate.relative_elements,
+        patches: enclosure.patches().len(),
+        sides: enclosure.sides(),
+        luminaires: transport.luminaires().len(),
+        rays: transport.shots().total() as u64,
+        shadow_rays: transport.lights().total() as u64,
+        iterations: answer.solver.iterations,
+        residual: answer.solver.residuals.last().copied().unwrap_or(0.0),
+        converged: answer.solver.stop == Stop::Converged,
+        emitted: vec![0.0; bands],
+        from_lights: vec![0.0; bands],
+        absorbed: vec![0.0; bands],
+        escaped: vec![0.0; bands],
+        lost_on_backs: vec![0.0; bands],
+        closure_residual: task.exchange.imbalance,
+        memory_bytes: enclosure.memory_bytes() + transport.memory_bytes() + task.exchange.operator.memory_bytes(),
+        ..Report::default()
+    };
+    let from_lights = task.incident_power();
+    let (mut rays, mut escaped) = (0.0, 0.0);
+    for side in 0..enclosure.sides() {
+        let patch = enclosure.patch_of(side);
+        let area = enclosure.area(side);
+        let share = fates(transport, side);
+        rays += share.total;
+        escaped += share.total * share.escaped;
+        for b in 0..bands {
+            let k = side * bands + b;
+            let emission = task.lighting.emission_of(patch)[b];
+            let absorbed = (1.0 - task.lighting.reflectance_of(patch)[b]) * answer.irradiance[k];
+            r.emitted[b] += area * emission;
+            r.absorbed[b] += area * absorbed;
+            // Buried parts receive nothing: only their own emission is lost there.
+            r.escaped[b] += area * ratio(radiosity[k] - share.buried * emission, 1.0 - share.buried) * share.escaped;
+            r.lost_on_backs[b] += area
+                * (share.buried * emission
+                    + ratio(radiosity[k] - share.buried * emission, 1.0 - share.buried) * share.back);
+        }
+    }
+    for b in 0..bands {
+        r.from_lights[b] = from_lights[b];
+    }
+    let balance = |b: usize| {
+        let input = r.emitted[b] + r.from_lights[b];
+        ratio(input - r.absorbed[b] - r.escaped[b] - r.lost_on_backs[b], input)
+    };
+    r.imbalance = (0..bands).map(balance).fold(0.0, |a, b| if b.abs() > a.abs() { b } else { a });
+    r.escape_share = ratio(escaped, rays);
+    r.closure = closure(task.exchange);
+    r
+}
+
+/// What became of a side's rays.
+struct Fates {
+    total: f64,
+    escaped: f64,
+    back: f64,
+    buried: f64,
+}
+
+fn fates(transport: &Transport, side: usize) -> Fates {
+    let (mut total, mut escaped, mut back, mut buried) = (0u32, 0u32, 0u32, 0u32);
+    for shot in transport.shots().of(side) {
+        total += 1;
+        escaped += u32::from(shot.target == Shot::ESCAPED);
+        back += u32::from(shot.target == Shot::BACK);
+        buried += u32::from(shot.target == Shot::BURIED);
+    }
+    let total = f64::from(total);
+    let share = |n: u32| ratio(f64::from(n), total);
+    Fates { total, escaped: share(escaped), back: share(back), buried: share(buried) }
+}
+
+fn closure(exchange: &ElementExchange) -> (f64, f64, f64) {
+    let (mut least, mut most, mut sum, mut area) = (f64::INFINITY, 0.0f64, 0.0, 0.0);
+    for (closure, a) in exchange.raw_closure.iter().zip(&exchange.exposed_area).filter(|(_, a)| **a > 0.0) {
+        least = least.min(*closure);
+        most = most.max(*closure);
+        sum += closure * a;
+        area += a;
+    }
+    (if area > 0.0 { least } else { 0.0 }, ratio(sum, area), most)
+}

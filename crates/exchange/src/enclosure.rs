@@ -1,0 +1,216 @@
+//! The patches as rays see them.
+//!
+//! Every patch has a front side, whose id is the patch's; a two-sided patch also has a back side, numbered after all
+//! fronts. A side is what sends and receives. The back of a one-sided patch is opaque and black.
+
+use glam::{DVec3, Vec3};
+use radiosity_geometry::bvh::{Bvh, BvhParams, Hit, Ray};
+use radiosity_geometry::sampling::Frame;
+use radiosity_geometry::{Chart, Patches};
+
+/// No side: what stands where a patch has no back side.
+const NO_SIDE: u32 = u32::MAX;
+
+/// What a ray found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sight {
+    /// Nothing.
+    Escaped,
+    /// The black back of a one-sided patch.
+    Back,
+    /// A side, at chart coordinates of its patch.
+    Side(u32, f64, f64),
+}
+
+/// Patches, their charts and the hierarchy that rays traverse.
+pub struct Enclosure {
+    patches: Patches,
+    charts: Vec<Chart>,
+    /// Tangent frames of the front sides.
+    frames: Vec<Frame>,
+    bvh: Bvh,
+    /// Triangle of the hierarchy -> patch * 2 + which half of its polygon.
+    owner: Vec<u32>,
+    back_side: Vec<u32>,
+    side_patch: Vec<u32>,
+    /// Coordinates are taken relative to the middle of the scene, where single precision is finest.
+    middle: DVec3,
+    /// Per patch: how far single precision may move a point of it, metres.
+    margin: Vec<f64>,
+    /// Per patch: the factor toward the centroid that keeps a point off the edges by the margin.
+    inset: Vec<f64>,
+    bounds: (DVec3, DVec3),
+}
+
+/// Rounding of a vertex, of an origin and of their difference, each half a unit in the last place, with a factor of
+/// two in hand: how far off its plane a single-precision point can be, relative to its largest coordinate.
+const PLANE_ROUNDING: f64 = 3.0 * f32::EPSILON as f64;
+
+impl Enclosure {
+    /// Builds the hierarchy over all patches. Patches without area are never hit and send nothing.
+    pub fn new(patches: Patches) -> Self {
+        let (low, high) = bounds(&patches);
+        let middle = 0.5 * (low + high);
+        let single = |p: DVec3| (p - middle).as_vec3();
+        let (mut triangles, mut owner) = (Vec::with_capacity(2 * patches.len()), Vec::with_capacity(2 * patches.len()));
+        for (i, polygon) in patches.polygons.iter().enumerate() {
+            let [a, b, c, d] = polygon.map(single);
+            triangles.push([a, b, c]);
+            owner.push(2 * i as u32);
+            if polygon[2] != polygon[3] {
+                triangles.push([a, c, d]);
+                owner.push(2 * i as u32 + 1);
+            }
+        }
+        let (mut back_side, mut side_patch) =
+            (vec![NO_SIDE; patches.len()], (0..patches.len() as u32).collect::<Vec<_>>());
+        for (patch, back) in back_side.iter_mut().enumerate().filter(|(i, _)| patches.two_sided[*i]) {
+            *back = side_patch.len() as u32;
+            side_patch.push(patch as u32);
+        }
+        let margin: Vec<f64> = patches.polygons.iter().map(|p| margin(p, middle)).collect();
+        let inset = (0..patches.len()).map(|i| inset(&patches, i, margin[i])).collect();
+        Self {
+            charts: patches.polygons.iter().map(Chart::new).collect(),
+            frames: patches.normal.iter().map(|&n| Frame::new(n)).collect(),
+            bvh: Bvh::build(&triangles, &BvhParams::default()),
+            owner,
+            back_side,
+            side_patch,
+            middle,
+            margin,
+            inset,
+            bounds: (low, high),
+            patches,
+        }
+    }
+
+    /// The patches.
+    pub fn patches(&self) -> &Patches {
+        &self.patches
+    }
+
+    /// The ray hierarchy.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// Corners of the box around everything.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.bounds
+    }
+
+    /// The number of sides: patches plus two-sided patches.
+    pub fn sides(&self) -> usize {
+        self.side_patch.len()
+    }
+
+    /// The patch a side belongs to.
+    pub fn patch_of(&self, side: usize) -> usize {
+        self.side_patch[side] as usize
+    }
+
+    /// The back side of a two-sided patch.
+    pub fn back_of(&self, patch: usize) -> Option<usize> {
+        let side = self.back_side[patch];
+        (side != NO_SIDE).then_some(side as usize)
+    }
+
+    /// Whether a side is the front of its patch.
+    pub fn is_front(&self, side: usize) -> bool {
+        side < self.patches.len()
+    }
+
+    /// The area of a side, m2.
+    pub fn area(&self, side: usize) -> f64 {
+        self.patches.area[self.patch_of(side)]
+    }
+
+    /// The outward unit normal of a side.
+    pub fn normal(&self, side: usize) -> DVec3 {
+        let n = self.patches.normal[self.patch_of(side)];
+        if self.is_front(side) { n } else { -n }
+    }
+
+    /// The tangent frame about the normal of a side.
+    pub fn frame(&self, side: usize) -> Frame {
+        let front = self.frames[self.patch_of(side)];
+        if self.is_front(side) {
+            front
+        } else {
+            Frame { tangent: front.bitangent, bitangent: front.tangent, normal: -front.normal }
+        }
+    }
+
+    /// A point just off a side at chart coordinates `(s, t)`: on the outer side of its plane and inside its edges
+    /// even after rounding to single precision.
+    pub fn point_off(&self, side: usize, s: f64, t: f64) -> DVec3 {
+        let patch = self.patch_of(side);
+        let on = self.charts[patch].point(s, t);
+        on + self.inset[patch] * (self.patches.centre[patch] - on) + self.margin[patch] * self.normal(side)
+    }
+
+    /// The ray from a point along a direction, without end.
+    pub fn ray(&self, from: DVec3, direction: DVec3) -> Ray {
+        Ray { origin: self.single(from), direction: direction.as_vec3(), t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The ray that is occluded when anything stands between two points.
+    pub fn segment(&self, from: DVec3, to: DVec3) -> Ray {
+        let (a, b) = (self.single(from), self.single(to));
+        Ray { origin: a, direction: b - a, t_min: 0.0, t_max: 1.0 }
+    }
+
+    fn single(&self, p: DVec3) -> Vec3 {
+        (p - self.middle).as_vec3()
+    }
+
+    /// What a hit of the hierarchy means.
+    pub fn sight(&self, direction: Vec3, hit: &Hit) -> Sight {
+        if hit.is_miss() {
+            return Sight::Escaped;
+        }
+        let owner = self.owner[hit.triangle as usize];
+        let (patch, half) = ((owner >> 1) as usize, (owner & 1) as usize);
+        let front = direction.as_dvec3().dot(self.patches.normal[patch]) < 0.0;
+        let side = if front { patch as u32 } else { self.back_side[patch] };
+        if side == NO_SIDE {
+            return Sight::Back;
+        }
+        let (s, t) = self.charts[patch].coordinates(half, f64::from(hit.u), f64::from(hit.v));
+        Sight::Side(side, s, t)
+    }
+
+    /// Bytes held by patches and hierarchy.
+    pub fn memory_bytes(&self) -> usize {
+        self.bvh.memory_bytes() + self.patches.len() * (96 + 24 * 4 + 8 * 4 + size_of::<Chart>() + 72)
+    }
+}
+
+fn bounds(patches: &Patches) -> (DVec3, DVec3) {
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    for p in patches.polygons.iter().flatten() {
+        low = low.min(*p);
+        high = high.max(*p);
+    }
+    if patches.is_empty() { (DVec3::ZERO, DVec3::ZERO) } else { (low, high) }
+}
+
+fn margin(polygon: &[DVec3; 4], middle: DVec3) -> f64 {
+    polygon.iter().map(|p| (*p - middle).abs().max_element()).fold(0.0, f64::max) * PLANE_ROUNDING
+}
+
+/// The inset that moves a point on any edge inward by the margin: the margin over the distance of the centroid from
+/// its nearest edge.
+fn inset(patches: &Patches, i: usize, margin: f64) -> f64 {
+    let corners = patches.corners(i);
+    let centre = patches.centre[i];
+    let nearest = (0..corners.len())
+        .map(|k| {
+            let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
+            (b - a).cross(centre - a).length() / (b - a).length().max(f64::MIN_POSITIVE)
+        })
+        .fold(f64::INFINITY, f64::min);
+    if nearest > 0.0 { (margin / nearest).min(0.5) } else { 0.0 }
+}

@@ -1,0 +1,3 @@
+//! Methods for one form factor, a file each.
+
+pub mod point_to_polygon;

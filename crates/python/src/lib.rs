@@ -1,0 +1,33 @@
+//! `radiosity._native`: conversion between numpy and the engine, errors, and releasing the interpreter lock.
+//!
+//! Nothing is computed here. Every long call runs on its own thread pool with the lock released, reports progress and
+//! answers Ctrl-C (see [`watch`]).
+
+mod convert;
+mod errors;
+mod factors;
+mod patches;
+mod picture;
+mod scene;
+mod solution;
+mod watch;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<scene::Scene>()?;
+    module.add_class::<patches::Patches>()?;
+    module.add_class::<patches::Enclosure>()?;
+    module.add_class::<solution::Solution>()?;
+    module.add_class::<factors::Factors>()?;
+    module.add("SceneError", module.py().get_type::<errors::SceneError>())?;
+    module.add("ResourceError", module.py().get_type::<errors::ResourceError>())?;
+    module.add_function(wrap_pyfunction!(scene::load, module)?)?;
+    module.add_function(wrap_pyfunction!(scene::builtin, module)?)?;
+    module.add_function(wrap_pyfunction!(solution::solve, module)?)?;
+    module.add_function(wrap_pyfunction!(factors::form_factors, module)?)?;
+    picture::register(module)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    Ok(())
+}

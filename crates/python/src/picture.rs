@@ -1,0 +1,7 @@
+//! Pictures and files of a solution.
+
+use pyo3::prelude::*;
+
+pub fn register(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+    Ok(())
+}

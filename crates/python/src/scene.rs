@@ -1,0 +1,219 @@
+//! Scenes across the border: plain tuples and arrays out, the same in.
+
+use crate::{convert, errors, patches};
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use radiosity_scene::meshing::{self, Meshing};
+use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Unit, builtin as builtins};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A scene as the engine knows it.
+#[pyclass(frozen, module = "radiosity._native")]
+pub struct Scene {
+    pub inner: radiosity_scene::Scene,
+}
+
+type SurfaceOut<'py> = (String, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, String, Vec<f64>, Vec<f64>, bool);
+type SurfaceIn<'py> =
+    (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, i64>, String, Vec<f64>, Vec<f64>, bool);
+
+/// kind, name, position, direction, inner and outer angle, strength.
+pub type LightTuple = (String, String, [f64; 3], [f64; 3], f64, f64, Vec<f64>);
+/// name, position, forward, up, vertical angle of view, aspect.
+pub type CameraTuple = (String, [f64; 3], [f64; 3], [f64; 3], f64, Option<f64>);
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn new(
+        name: String,
+        bands: Vec<String>,
+        surfaces: Vec<SurfaceIn<'_>>,
+        lights: Vec<LightTuple>,
+        cameras: Vec<CameraTuple>,
+    ) -> PyResult<Self> {
+        let surfaces = surfaces.into_iter().map(surface_in).collect::<PyResult<_>>()?;
+        let lights = lights.into_iter().map(light_in).collect::<PyResult<_>>()?;
+        let cameras = cameras.into_iter().map(camera_in).collect();
+        Ok(Self { inner: radiosity_scene::Scene { name, bands, surfaces, lights, cameras, findings: Vec::new() } })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.inner.name
+    }
+
+    #[getter]
+    fn bands(&self) -> Vec<String> {
+        self.inner.bands.clone()
+    }
+
+    fn surfaces<'py>(&self, py: Python<'py>) -> Vec<SurfaceOut<'py>> {
+        self.inner.surfaces.iter().map(|s| surface_out(py, s)).collect()
+    }
+
+    fn lights(&self) -> Vec<LightTuple> {
+        self.inner.lights.iter().map(light_out).collect()
+    }
+
+    fn cameras(&self) -> Vec<CameraTuple> {
+        self.inner.cameras.iter().map(camera_out).collect()
+    }
+
+    /// What the loader noticed: (severity, code, element, message) each.
+    fn loading_findings(&self) -> Vec<(&'static str, &'static str, String, String)> {
+        findings_out(&self.inner.findings)
+    }
+
+    /// Everything worth knowing before lighting it.
+    fn findings(&self) -> Vec<(&'static str, &'static str, String, String)> {
+        findings_out(&self.inner.findings())
+    }
+
+    /// Raises `SceneError` if the scene cannot be lit.
+    fn validate(&self) -> PyResult<()> {
+        self.inner.validate().map_err(errors::scene)
+    }
+
+    /// Raises `SceneError` if the shapes are unsound, whatever materials and lights are.
+    fn validate_geometry(&self) -> PyResult<()> {
+        self.inner.validate_geometry().map_err(errors::scene)
+    }
+
+    /// Cuts the scene into patches: exactly one of the arguments is given.
+    #[pyo3(signature = (max_edge=None, count=None, as_is=false))]
+    fn patches(
+        &self,
+        py: Python<'_>,
+        max_edge: Option<f64>,
+        count: Option<usize>,
+        as_is: bool,
+    ) -> PyResult<patches::Patches> {
+        let meshing = match (max_edge, count, as_is) {
+            (Some(edge), None, false) => Meshing::MaxEdge(edge),
+            (None, Some(count), false) => Meshing::Count(count),
+            (None, None, true) => Meshing::AsIs,
+            _ => return Err(PyValueError::new_err("give exactly one of max_edge, count and as_is=True")),
+        };
+        let patches = py.detach(|| meshing::patches(&self.inner, &meshing)).map_err(errors::scene)?;
+        Ok(patches::Patches { inner: Arc::new(patches) })
+    }
+
+    /// Cuts each face into an explicit grid, one (nu, nv) per face.
+    fn grid(&self, divisions: Vec<(usize, usize)>) -> PyResult<patches::Patches> {
+        let patches = meshing::grid(&self.inner, &divisions).map_err(errors::scene)?;
+        Ok(patches::Patches { inner: Arc::new(patches) })
+    }
+}
+
+/// Reads a scene file.
+#[pyfunction]
+#[pyo3(signature = (path, unit=None, two_sided=None))]
+pub fn load(py: Python<'_>, path: PathBuf, unit: Option<&str>, two_sided: Option<bool>) -> PyResult<Scene> {
+    let unit = unit.map_or(Ok(Unit::default()), str::parse).map_err(|e| PyValueError::new_err(format!("{e}")))?;
+    let options = LoadOptions { unit, two_sided, ..LoadOptions::default() };
+    let inner = py.detach(|| radiosity_scene::load(&path, &options)).map_err(errors::scene)?;
+    Ok(Scene { inner })
+}
+
+/// Makes a built-in scene by name.
+#[pyfunction]
+pub fn builtin(name: &str, numbers: Vec<f64>, spectra: Vec<Vec<f64>>) -> PyResult<Scene> {
+    let spectrum = |k: usize| spectra.get(k).map(Vec::as_slice).unwrap_or_default();
+    let number = |k: usize| numbers.get(k).copied().unwrap_or(0.0);
+    let inner = match name {
+        "cornell_box" => builtins::cornell_box(builtins::CornellVariant::Rgb),
+        "cornell_box_original" => builtins::cornell_box(builtins::CornellVariant::Original),
+        "furnace" => builtins::furnace(spectrum(0), spectrum(1)),
+        "two_plates" => builtins::two_plates(
+            number(0),
+            number(1),
+            number(2),
+            Material::new("lower", spectrum(0), spectrum(1)),
+            Material::new("upper", spectrum(2), spectrum(3)),
+        ),
+        _ => return Err(PyValueError::new_err(format!("there is no built-in scene '{name}'"))),
+    };
+    Ok(Scene { inner })
+}
+
+fn surface_out<'py>(py: Python<'py>, s: &Surface) -> SurfaceOut<'py> {
+    let flat: Vec<u32> = s.faces.iter().flatten().copied().collect();
+    let faces = numpy::ndarray::Array2::from_shape_vec((s.faces.len(), 4), flat).expect("four indices a face");
+    let m = &s.material;
+    (
+        s.name.clone(),
+        convert::points_out(py, &s.vertices),
+        numpy::IntoPyArray::into_pyarray(faces, py),
+        m.name.clone(),
+        m.reflectance.clone(),
+        m.emission.clone(),
+        m.two_sided,
+    )
+}
+
+fn surface_in((name, vertices, faces, material, reflectance, emission, two_sided): SurfaceIn<'_>) -> PyResult<Surface> {
+    let view = faces.as_array();
+    if !(view.ncols() == 3 || view.ncols() == 4) {
+        let shape = view.shape();
+        return Err(PyValueError::new_err(format!(
+            "faces of surface '{name}' must have shape (m, 3) or (m, 4), not {shape:?}"
+        )));
+    }
+    let index = |face: usize, corner: usize| {
+        let value = view[[face, corner.min(view.ncols() - 1)]];
+        u32::try_from(value).map_err(|_| {
+            errors::SceneError::new_err(format!("surface '{name}', face {face}: vertex index {value} is out of range"))
+        })
+    };
+    let faces = (0..view.nrows())
+        .map(|f| Ok([index(f, 0)?, index(f, 1)?, index(f, 2)?, index(f, 3)?]))
+        .collect::<PyResult<_>>()?;
+    let vertices = convert::points_in(&vertices, &format!("vertices of surface '{name}'"))?;
+    Ok(Surface { vertices, faces, material: Material { name: material, reflectance, emission, two_sided }, name })
+}
+
+fn light_out(light: &Light) -> LightTuple {
+    let none = [0.0; 3];
+    match light.clone() {
+        Light::Point { name, position, intensity } => {
+            ("point".into(), name, position.to_array(), none, 0.0, 0.0, intensity)
+        }
+        Light::Spot { name, position, direction, intensity, inner_angle, outer_angle } => {
+            ("spot".into(), name, position.to_array(), direction.to_array(), inner_angle, outer_angle, intensity)
+        }
+        Light::Directional { name, direction, irradiance } => {
+            ("directional".into(), name, none, direction.to_array(), 0.0, 0.0, irradiance)
+        }
+    }
+}
+
+fn light_in((kind, name, position, direction, inner_angle, outer_angle, power): LightTuple) -> PyResult<Light> {
+    let (position, direction) = (convert::vec3(position), convert::vec3(direction));
+    Ok(match kind.as_str() {
+        "point" => Light::Point { name, position, intensity: power },
+        "spot" => Light::Spot { name, position, direction, intensity: power, inner_angle, outer_angle },
+        "directional" => Light::Directional { name, direction, irradiance: power },
+        _ => return Err(PyValueError::new_err(format!("there is no light of kind '{kind}'"))),
+    })
+}
+
+fn camera_out(c: &Camera) -> CameraTuple {
+    (c.name.clone(), c.position.to_array(), c.forward.to_array(), c.up.to_array(), c.vertical_fov, c.aspect)
+}
+
+pub fn camera_in((name, position, forward, up, vertical_fov, aspect): CameraTuple) -> Camera {
+    let (position, forward, up) = (convert::vec3(position), convert::vec3(forward), convert::vec3(up));
+    Camera { name, position, forward, up, vertical_fov, aspect }
+}
+
+fn findings_out(findings: &[radiosity_scene::Finding]) -> Vec<(&'static str, &'static str, String, String)> {
+    let severity = |s| match s {
+        Severity::Note => "note",
+        Severity::Warning => "warning",
+        Severity::Error => "error",
+    };
+    findings.iter().map(|f| (severity(f.severity), f.code, f.element.clone(), f.message.clone())).collect()
+}

@@ -1,0 +1,223 @@
+//! Solving and relighting.
+
+use crate::patches::Enclosure;
+use crate::scene::LightTuple;
+use crate::{convert, errors, watch};
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use radiosity_equilibrium::{Closure, Lamp, Lighting, Method, Report, Settings, Transport};
+use radiosity_exchange::Luminaire;
+use std::sync::Arc;
+
+/// The equilibrium of light on an enclosure.
+#[pyclass(frozen, module = "radiosity._native")]
+pub struct Solution {
+    inner: radiosity_equilibrium::Solution,
+    bands: usize,
+}
+
+#[pymethods]
+impl Solution {
+    /// Irradiance of the fronts, (n_patches, bands) W/m2.
+    #[getter]
+    fn irradiance<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.fronts(py, &self.inner.irradiance)
+    }
+
+    /// Radiosity of the fronts, (n_patches, bands) W/m2.
+    #[getter]
+    fn radiosity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.fronts(py, &self.inner.radiosity)
+    }
+
+    /// Estimated standard error of irradiance of the fronts, (n_patches, bands) W/m2.
+    #[getter]
+    fn error<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.fronts(py, &self.inner.error)
+    }
+
+    /// Irradiance, radiosity and error of the backs of the two-sided patches, in patch order.
+    fn backs<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray2<f64>>; 3] {
+        let enclosure = self.inner.transport.enclosure();
+        let range = enclosure.patches().len()..enclosure.sides();
+        [&self.inner.irradiance, &self.inner.radiosity, &self.inner.error]
+            .map(|values| convert::rows_out(py, values, range.clone(), self.bands))
+    }
+
+    /// What the solve says about itself.
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        report_out(py, &self.inner.report)
+    }
+
+    /// Solves again on the same measured exchange with other emission, reflectance and lamp strengths.
+    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, exact_closure, threads=None, progress=None))]
+    fn relight(
+        &self,
+        py: Python<'_>,
+        reflectance: PyReadonlyArray2<'_, f64>,
+        emission: PyReadonlyArray2<'_, f64>,
+        lamps: Vec<LightTuple>,
+        accuracy: f64,
+        method: &str,
+        exact_closure: bool,
+        threads: Option<usize>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Solution> {
+        relight(
+            py,
+            &self.inner.transport,
+            reflectance,
+            emission,
+            lamps,
+            &settings(accuracy, 0, 0, u64::MAX, method, exact_closure)?,
+            threads,
+            progress,
+        )
+    }
+}
+
+impl Solution {
+    fn fronts<'py>(&self, py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray2<f64>> {
+        convert::rows_out(py, values, 0..self.inner.transport.enclosure().patches().len(), self.bands)
+    }
+}
+
+/// Solves to the accuracy asked for or says what kept it.
+#[pyfunction]
+#[pyo3(signature = (enclosure, reflectance, emission, lamps, accuracy, seed, max_rays, memory_limit, method,
+                    exact_closure, threads=None, progress=None))]
+pub fn solve(
+    py: Python<'_>,
+    enclosure: &Enclosure,
+    reflectance: PyReadonlyArray2<'_, f64>,
+    emission: PyReadonlyArray2<'_, f64>,
+    lamps: Vec<LightTuple>,
+    accuracy: f64,
+    seed: u64,
+    max_rays: u32,
+    memory_limit: u64,
+    method: &str,
+    exact_closure: bool,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Solution> {
+    let settings = settings(accuracy, seed, max_rays, memory_limit, method, exact_closure)?;
+    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
+    let enclosure = enclosure.inner.clone();
+    let result = watch::run(py, threads, progress.as_ref(), |control| {
+        radiosity_equilibrium::solve(enclosure, &lighting, &settings, control)
+    })?;
+    Ok(Solution { inner: result.map_err(errors::failure)?, bands: lighting.bands })
+}
+
+pub fn relight(
+    py: Python<'_>,
+    transport: &Arc<Transport>,
+    reflectance: PyReadonlyArray2<'_, f64>,
+    emission: PyReadonlyArray2<'_, f64>,
+    lamps: Vec<LightTuple>,
+    settings: &Settings,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Solution> {
+    let lighting = lighting_in(transport.enclosure(), reflectance, emission, lamps)?;
+    let result = watch::run(py, threads, progress.as_ref(), |control| {
+        radiosity_equilibrium::relight(transport, &lighting, settings, control)
+    })?;
+    Ok(Solution { inner: result.map_err(errors::failure)?, bands: lighting.bands })
+}
+
+fn lighting_in(
+    enclosure: &radiosity_exchange::Enclosure,
+    reflectance: PyReadonlyArray2<'_, f64>,
+    emission: PyReadonlyArray2<'_, f64>,
+    lamps: Vec<LightTuple>,
+) -> PyResult<Lighting> {
+    let (n, bands) = (enclosure.patches().len(), reflectance.as_array().ncols());
+    let reflectance = convert::block_in(&reflectance, n, bands, "reflectance")?;
+    let emission = convert::block_in(&emission, n, bands, "emission")?;
+    let finite = |v: &f64| v.is_finite() && *v >= 0.0;
+    if let Some(k) = reflectance.iter().position(|r| !(0.0..1.0).contains(r)) {
+        let (patch, value) = (k / bands, reflectance[k]);
+        return Err(PyValueError::new_err(format!("patch {patch}: reflectance {value} is outside [0, 1)")));
+    }
+    if let Some(k) = emission.iter().position(|e| !finite(e)) {
+        let (patch, value) = (k / bands, emission[k]);
+        return Err(PyValueError::new_err(format!("patch {patch}: emission {value} is not a nonnegative number")));
+    }
+    let lamps = lamps.into_iter().map(|l| lamp_in(l, bands)).collect::<PyResult<_>>()?;
+    Ok(Lighting { bands, reflectance, emission, lamps })
+}
+
+fn lamp_in((kind, name, position, direction, inner, outer, strength): LightTuple, bands: usize) -> PyResult<Lamp> {
+    if strength.len() != bands || strength.iter().any(|s| !s.is_finite() || *s < 0.0) {
+        return Err(PyValueError::new_err(format!("light '{name}' must have {bands} nonnegative strengths")));
+    }
+    let (position, direction) = (convert::vec3(position), convert::vec3(direction).normalize_or_zero());
+    let luminaire = match kind.as_str() {
+        "point" => Luminaire::Point { position },
+        "spot" => Luminaire::Spot { position, direction, cos_inner: inner.cos(), cos_outer: outer.cos() },
+        "directional" => Luminaire::Directional { direction },
+        _ => return Err(PyValueError::new_err(format!("there is no light of kind '{kind}'"))),
+    };
+    Ok(Lamp { luminaire, strength })
+}
+
+pub fn settings(
+    accuracy: f64,
+    seed: u64,
+    max_rays: u32,
+    memory_limit: u64,
+    method: &str,
+    exact_closure: bool,
+) -> PyResult<Settings> {
+    if !(accuracy > 0.0 && accuracy.is_finite()) {
+        return Err(PyValueError::new_err(format!("accuracy must be a positive number such as 0.01, not {accuracy}")));
+    }
+    let method = match method {
+        "conjugate_gradient" => Method::ConjugateGradient,
+        "jacobi" => Method::Jacobi,
+        _ => {
+            let known = "conjugate_gradient, jacobi";
+            return Err(PyValueError::new_err(format!("there is no solver '{method}'; choose one of {known}")));
+        }
+    };
+    let closure = if exact_closure { Closure::Exact } else { Closure::Balanced };
+    Ok(Settings { accuracy, seed, max_rays, memory_limit, method, closure })
+}
+
+fn report_out<'py>(py: Python<'py>, r: &Report) -> PyResult<Bound<'py, PyDict>> {
+    let d = PyDict::new(py);
+    d.set_item("accuracy", r.accuracy)?;
+    d.set_item("estimated_error", r.estimated_error)?;
+    d.set_item("sampling_error", r.sampling_error)?;
+    d.set_item("discretisation_error", r.discretisation_error)?;
+    d.set_item("limited_by", r.limited_by.map(|l| l.name()))?;
+    d.set_item("patches", r.patches)?;
+    d.set_item("sides", r.sides)?;
+    d.set_item("luminaires", r.luminaires)?;
+    d.set_item("rays", r.rays)?;
+    d.set_item("shadow_rays", r.shadow_rays)?;
+    d.set_item("rounds", r.rounds)?;
+    d.set_item("iterations", r.iterations)?;
+    d.set_item("residual", r.residual)?;
+    d.set_item("converged", r.converged)?;
+    d.set_item("emitted", r.emitted.clone())?;
+    d.set_item("from_lights", r.from_lights.clone())?;
+    d.set_item("absorbed", r.absorbed.clone())?;
+    d.set_item("escaped", r.escaped.clone())?;
+    d.set_item("lost_on_backs", r.lost_on_backs.clone())?;
+    d.set_item("imbalance", r.imbalance)?;
+    d.set_item("closure_min", r.closure.0)?;
+    d.set_item("closure_mean", r.closure.1)?;
+    d.set_item("closure_max", r.closure.2)?;
+    d.set_item("escape_share", r.escape_share)?;
+    d.set_item("closure_residual", r.closure_residual)?;
+    d.set_item("memory_bytes", r.memory_bytes)?;
+    d.set_item("sampling_seconds", r.seconds.sampling)?;
+    d.set_item("solving_seconds", r.seconds.solving)?;
+    d.set_item("seconds", r.seconds.total)?;
+    Ok(d)
+}

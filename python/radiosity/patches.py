@@ -1,0 +1,92 @@
+"""The surface elements of a scene."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from radiosity import _native
+
+if TYPE_CHECKING:
+    from radiosity.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+
+
+class Patches:
+    """Planar polygons of three or four corners with stable ids, made by :meth:`radiosity.Scene.patches`.
+
+    Attributes:
+        scene: what they were cut from.
+        polygons: (n, 4, 3) corners in metres, counter-clockwise from the front; a triangle repeats its last corner.
+        surface, face: (n,) index of the surface and of its face that each patch was cut from.
+        area: (n,) m2. centre: (n, 3) m. normal: (n, 3) unit vectors by the right-hand rule.
+        two_sided: (n,) whether the back reflects too.
+    """
+
+    def __init__(self, scene: Scene, native: _native.Patches) -> None:
+        self.scene = scene
+        self._native = native
+
+    def __len__(self) -> int:
+        return len(self._native)
+
+    def __repr__(self) -> str:
+        return f"Patches({len(self)} of {self.scene!r})"
+
+    @cached_property
+    def polygons(self) -> Floats:
+        """(n, 4, 3) corners, metres."""
+        return self._native.polygons
+
+    @cached_property
+    def surface(self) -> npt.NDArray[np.uint32]:
+        """(n,) index into ``scene.surfaces``."""
+        return self._native.surface
+
+    @cached_property
+    def face(self) -> npt.NDArray[np.uint32]:
+        """(n,) index into the surface's faces."""
+        return self._native.face
+
+    @cached_property
+    def two_sided(self) -> npt.NDArray[np.bool_]:
+        """(n,) whether the back reflects too."""
+        return self._native.two_sided
+
+    @cached_property
+    def area(self) -> Floats:
+        """(n,) m2."""
+        return self._native.area
+
+    @cached_property
+    def centre(self) -> Floats:
+        """(n, 3) centroids, metres."""
+        return self._native.centre
+
+    @cached_property
+    def normal(self) -> Floats:
+        """(n, 3) unit normals by the right-hand rule."""
+        return self._native.normal
+
+    @cached_property
+    def reflectance(self) -> Floats:
+        """(n, bands) diffuse reflectance."""
+        return self._per_patch([s.reflectance for s in self.scene.surfaces])
+
+    @cached_property
+    def emission(self) -> Floats:
+        """(n, bands) radiant exitance, W/m2."""
+        return self._per_patch([s.emission for s in self.scene.surfaces])
+
+    def _per_patch(self, spectra: list[npt.ArrayLike]) -> Floats:
+        bands = len(self.scene.bands)
+        table = np.array([np.broadcast_to(np.asarray(s, dtype=np.float64), (bands,)) for s in spectra])
+        return table.reshape(-1, bands)[self.surface]
+
+    @cached_property
+    def _enclosure(self) -> _native.Enclosure:
+        return _native.Enclosure(self._native)

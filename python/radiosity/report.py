@@ -1,0 +1,100 @@
+"""What a solve says about itself."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+_LIMITS = {
+    "accuracy": "the accuracy asked for is reached",
+    "max_rays": "the most rays per patch were spent: raise max_rays",
+    "patch_size": "light varies too much within patches: use smaller ones",
+    "memory": "more samples would not fit the memory limit: raise it",
+}
+
+
+@dataclass(frozen=True)
+class Report:
+    """Energy, closure, error and effort of a solve; prints as a table.
+
+    Powers are W per band. ``estimated_error`` is the root mean square over area and bands of the estimated error of
+    irradiance, relative to its mean; it combines ``sampling_error`` (more rays reduce it) and
+    ``discretisation_error`` (smaller patches reduce it). ``limited_by`` is ``"accuracy"`` when the request was met.
+    ``closure_*`` are raw row sums of the form factors before ``closure_residual`` remained after balancing.
+    """
+
+    accuracy: float
+    estimated_error: float
+    sampling_error: float
+    discretisation_error: float
+    limited_by: str
+    patches: int
+    sides: int
+    luminaires: int
+    rays: int
+    shadow_rays: int
+    rounds: int
+    iterations: int
+    residual: float
+    converged: bool
+    emitted: list[float]
+    from_lights: list[float]
+    absorbed: list[float]
+    escaped: list[float]
+    lost_on_backs: list[float]
+    imbalance: float
+    closure_min: float
+    closure_mean: float
+    closure_max: float
+    escape_share: float
+    closure_residual: float
+    memory_bytes: int
+    sampling_seconds: float
+    solving_seconds: float
+    seconds: float
+    seed: int = 0
+    bands: list[str] = field(default_factory=list)
+
+    @property
+    def reached(self) -> bool:
+        """Whether the estimated error is within the accuracy asked for."""
+        return self.limited_by == "accuracy"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers, strings and lists, ready for JSON."""
+        return asdict(self) | {"reached": self.reached}
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Label and text of each line of the table."""
+
+        def powers(values: list[float]) -> str:
+            return "  ".join(f"{name} {v:.4g}" for name, v in zip(self.bands, values, strict=True)) + " W"
+
+        rows = [
+            ("estimated error", f"{self.estimated_error:.3%} of the mean irradiance (asked for {self.accuracy:.3%})"),
+            ("  by sampling", f"{self.sampling_error:.3%}"),
+            ("  by patch size", f"{self.discretisation_error:.3%}"),
+            ("stopped because", _LIMITS[self.limited_by]),
+            ("emitted", powers(self.emitted)),
+            ("arrived from lights", powers(self.from_lights)),
+            ("absorbed", powers(self.absorbed)),
+            ("escaped", powers(self.escaped)),
+            ("lost on backs", powers(self.lost_on_backs)),
+            ("energy imbalance", f"{self.imbalance:+.3%}"),
+            ("closure", f"row sums {self.closure_min:.4f} to {self.closure_max:.4f}, mean {self.closure_mean:.4f};"
+                        f" {self.escape_share:.2%} of rays escape"),
+            ("patches", f"{self.patches:,} ({self.sides:,} sides, {self.luminaires:,} luminaires)"),
+            ("rays", f"{self.rays:,} + {self.shadow_rays:,} to luminaires, in {self.rounds} rounds"),
+            ("solver", f"{self.iterations} iterations, residual {self.residual:.1e}"
+                       + ("" if self.converged else ", NOT converged")),
+            ("memory", f"{self.memory_bytes / 1e6:.1f} MB"),
+            ("time", f"{self.seconds:.3f} s (sampling {self.sampling_seconds:.3f}, solving {self.solving_seconds:.3f})"),
+        ]  # fmt: skip
+        empty = [("arrived from lights", self.from_lights), ("lost on backs", self.lost_on_backs)]
+        hidden = {label for label, values in empty if not any(values)}
+        return [row for row in rows if row[0] not in hidden]
+
+    def __str__(self) -> str:
+        rows = self.rows()
+        width = max(len(label) for label, _ in rows)
+        return "\n".join(f"{label:<{width}}  {text}" for label, text in rows)

@@ -1,0 +1,292 @@
+"""Scenes: surfaces with materials, lights and cameras, from files or from arrays."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from radiosity import _native
+from radiosity._native import SceneError
+
+if TYPE_CHECKING:
+    from radiosity.patches import Patches
+
+Floats = npt.NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+
+def _spectrum(values: npt.ArrayLike, bands: int, what: str) -> list[float]:
+    """Broadcast a number or a sequence to one value per band."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim > 1 or (array.ndim == 1 and len(array) not in (1, bands)):
+        raise SceneError(f"{what} has shape {array.shape}; give one number or one per band ({bands})")
+    return [float(x) for x in np.broadcast_to(array, (bands,))]
+
+
+def _bands_of(values: npt.ArrayLike) -> int:
+    array = np.asarray(values)
+    return int(array.shape[0]) if array.ndim else 1
+
+
+def _triple(values: Sequence[float] | Floats, what: str) -> Triple:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (3,):
+        raise SceneError(f"{what} must be three numbers, not an array of shape {array.shape}")
+    return float(array[0]), float(array[1]), float(array[2])
+
+
+@dataclass(eq=False)
+class Surface:
+    """Polygons that share one material.
+
+    Args:
+        vertices: (n, 3) float, metres.
+        faces: (m, 3) or (m, 4) int, counter-clockwise seen from the front. Quads must be planar and convex.
+        reflectance: diffuse reflectance in [0, 1), a number or one per band.
+        emission: radiant exitance in W/m2, a number or one per band; pi times the radiance of a Lambertian emitter.
+        name: for messages and files.
+        two_sided: whether both sides reflect and emit; the back of a one-sided surface is opaque and black.
+        material: the material's name, for files.
+    """
+
+    vertices: npt.ArrayLike
+    faces: npt.ArrayLike
+    reflectance: npt.ArrayLike = 0.5
+    emission: npt.ArrayLike = 0.0
+    name: str = ""
+    two_sided: bool = False
+    material: str = ""
+
+    def __post_init__(self) -> None:
+        self.vertices = np.ascontiguousarray(self.vertices, dtype=np.float64)
+        faces = np.asarray(self.faces)
+        if faces.size and not np.issubdtype(faces.dtype, np.integer):
+            raise SceneError(f"surface '{self.name}': faces must be integers, not {faces.dtype}")
+        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
+
+
+@dataclass(eq=False)
+class PointLight:
+    """A light without area that shines equally in all directions: ``intensity`` in W/sr per band."""
+
+    position: Sequence[float]
+    intensity: npt.ArrayLike
+    name: str = "point light"
+
+    def _tuple(self, bands: int) -> _native.LightTuple:
+        power = _spectrum(self.intensity, bands, f"the intensity of light '{self.name}'")
+        return "point", self.name, _triple(self.position, "position"), (0.0, 0.0, 0.0), 0.0, 0.0, power
+
+
+@dataclass(eq=False)
+class SpotLight:
+    """A light that shines within a cone: ``intensity`` in W/sr on its axis, half angles in radians.
+
+    Between the inner and the outer angle it falls off as ``KHR_lights_punctual`` says.
+    """
+
+    position: Sequence[float]
+    direction: Sequence[float]
+    intensity: npt.ArrayLike
+    inner_angle: float = 0.0
+    outer_angle: float = math.pi / 4
+    name: str = "spot light"
+
+    def _tuple(self, bands: int) -> _native.LightTuple:
+        if not 0 <= self.inner_angle < self.outer_angle <= math.pi / 2:
+            raise SceneError(f"light '{self.name}': angles must satisfy 0 <= inner < outer <= pi/2")
+        power = _spectrum(self.intensity, bands, f"the intensity of light '{self.name}'")
+        position, direction = _triple(self.position, "position"), _triple(self.direction, "direction")
+        return "spot", self.name, position, direction, self.inner_angle, self.outer_angle, power
+
+
+@dataclass(eq=False)
+class DirectionalLight:
+    """Parallel light that travels along ``direction``: ``irradiance`` in W/m2 on a surface that faces it."""
+
+    direction: Sequence[float]
+    irradiance: npt.ArrayLike
+    name: str = "directional light"
+
+    def _tuple(self, bands: int) -> _native.LightTuple:
+        power = _spectrum(self.irradiance, bands, f"the irradiance of light '{self.name}'")
+        return "directional", self.name, (0.0, 0.0, 0.0), _triple(self.direction, "direction"), 0.0, 0.0, power
+
+
+Light = PointLight | SpotLight | DirectionalLight
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A perspective viewpoint: unit vectors ``forward`` and ``up``, full vertical angle of view in radians."""
+
+    position: Triple
+    forward: Triple
+    up: Triple = (0.0, 1.0, 0.0)
+    vertical_fov: float = math.radians(45)
+    aspect: float | None = None
+    name: str = "camera"
+
+    @classmethod
+    def look_at(
+        cls,
+        position: Sequence[float],
+        target: Sequence[float],
+        up: Sequence[float] = (0.0, 1.0, 0.0),
+        vertical_fov: float = math.radians(45),
+        name: str = "camera",
+    ) -> Camera:
+        """A camera at ``position`` that looks at ``target``."""
+        forward = np.asarray(target, dtype=float) - np.asarray(position, dtype=float)
+        length = float(np.linalg.norm(forward))
+        if not length > 0:
+            raise SceneError(f"camera '{name}': position and target coincide")
+        return cls(_triple(position, "position"), _triple(forward / length, "forward"), _triple(up, "up"), vertical_fov,
+                   name=name)  # fmt: skip
+
+    def _tuple(self) -> _native.CameraTuple:
+        return self.name, self.position, self.forward, self.up, self.vertical_fov, self.aspect
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing noticed about a scene: ``severity`` is note, warning or error."""
+
+    severity: Literal["note", "warning", "error"]
+    code: str
+    element: str
+    message: str
+
+    def __str__(self) -> str:
+        where = f"{self.element}: " if self.element else ""
+        return f"{self.severity} [{self.code}]: {where}{self.message}"
+
+
+@dataclass(eq=False)
+class Scene:
+    """Surfaces, lights and cameras.
+
+    Args:
+        surfaces: what reflects and emits.
+        lights: lights without area.
+        cameras: viewpoints.
+        name: for messages.
+        bands: names of the wavelength bands; inferred from the longest spectrum if not given.
+    """
+
+    surfaces: list[Surface]
+    lights: list[Light] = field(default_factory=list)
+    cameras: list[Camera] = field(default_factory=list)
+    name: str = "scene"
+    bands: list[str] = field(default_factory=list)
+    loading_findings: list[Finding] = field(default_factory=list, repr=False)
+
+    def __post_init__(self) -> None:
+        self.surfaces, self.lights, self.cameras = list(self.surfaces), list(self.lights), list(self.cameras)
+        for index, surface in enumerate(self.surfaces):
+            surface.name = surface.name or f"surface {index}"
+        if not self.bands:
+            self.bands = _band_names(self._longest_spectrum())
+
+    def _longest_spectrum(self) -> int:
+        spectra = [s.reflectance for s in self.surfaces] + [s.emission for s in self.surfaces]
+        spectra += [li.irradiance if isinstance(li, DirectionalLight) else li.intensity for li in self.lights]
+        return max((_bands_of(s) for s in spectra), default=1)
+
+    def __repr__(self) -> str:
+        faces = sum(len(np.asarray(s.faces)) for s in self.surfaces)
+        return (
+            f"Scene('{self.name}', {len(self.surfaces)} surfaces, {faces} faces, {len(self.lights)} lights, "
+            f"{len(self.cameras)} cameras, bands {', '.join(self.bands)})"
+        )
+
+    @classmethod
+    def _from_native(cls, native: _native.Scene) -> Scene:
+        surfaces = [
+            Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material)
+            for name, vertices, faces, material, reflectance, emission, two_sided in native.surfaces()
+        ]
+        lights = [_light(fields) for fields in native.lights()]
+        cameras = [Camera(p, f, u, fov, aspect, name) for name, p, f, u, fov, aspect in native.cameras()]
+        findings = [Finding(*f) for f in native.loading_findings()]
+        return cls(surfaces, lights, cameras, native.name, native.bands, findings)
+
+    def _native(self) -> _native.Scene:
+        n = len(self.bands)
+        surfaces = [
+            (s.name, s.vertices, s.faces, s.material, _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
+             _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided)
+            for s in self.surfaces
+        ]  # fmt: skip
+        lights = [light._tuple(n) for light in self.lights]
+        return _native.Scene(self.name, list(self.bands), surfaces, lights, [c._tuple() for c in self.cameras])
+
+    def findings(self) -> list[Finding]:
+        """Everything worth knowing before lighting the scene, worst first."""
+        found = self.loading_findings + [Finding(*f) for f in self._native().findings()]
+        rank = {"error": 0, "warning": 1, "note": 2}
+        return sorted(found, key=lambda f: rank[f.severity])
+
+    def validate(self) -> None:
+        """Raise SceneError with file, element and remedy if the scene cannot be lit."""
+        self._native().validate()
+
+    def patches(
+        self, *, max_edge: float | None = None, count: int | None = None, as_is: bool = False
+    ) -> Patches:
+        """Cut the surfaces into patches.
+
+        Args:
+            max_edge: longest edge in metres.
+            count: about how many patches.
+            as_is: one patch per face, in the order of surfaces and faces; quads stay quads.
+
+        Raises:
+            SceneError: a face cannot be cut (not planar, not convex, an index out of range ...).
+        """
+        from radiosity.patches import Patches  # noqa: PLC0415
+
+        native = self._native()
+        native.validate_geometry()
+        return Patches(self, native.patches(max_edge=max_edge, count=count, as_is=as_is))
+
+
+def _trim(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]:
+    """Drop the repeated corner where all faces are triangles."""
+    signed = faces.astype(np.int64)
+    return signed[:, :3] if len(faces) and bool(np.all(faces[:, 2] == faces[:, 3])) else signed
+
+
+def _light(fields: _native.LightTuple) -> Light:
+    kind, name, position, direction, inner, outer, power = fields
+    if kind == "point":
+        return PointLight(position, power, name)
+    if kind == "spot":
+        return SpotLight(position, direction, power, inner, outer, name)
+    return DirectionalLight(direction, power, name)
+
+
+def _band_names(n: int) -> list[str]:
+    if n == 1:
+        return ["grey"]
+    return ["R", "G", "B"] if n == 3 else [f"band {k + 1}" for k in range(n)]
+
+
+def load(path: str | os.PathLike[str], *, unit: str = "m", two_sided: bool | None = None) -> Scene:
+    """Read a scene from a ``.glb``, ``.gltf`` or ``.obj`` file.
+
+    Args:
+        path: the file.
+        unit: what the number 1 in the file means: m, cm, mm, in, ft, km or a number of metres.
+        two_sided: overrides what the file says about which sides of its surfaces reflect.
+
+    Raises:
+        SceneError: the file is missing, damaged or holds nothing that can be lit; the message says what to do.
+    """
+    return Scene._from_native(_native.load(os.fspath(path), unit, two_sided))
