@@ -6,6 +6,8 @@
 
 use crate::answer::{Answer, Task, ratio};
 use crate::lighting::mean;
+use crate::plan::RATE;
+use crate::solve::THINNING;
 use radiosity_operator::{Cancelled, Operator};
 
 /// The error left by elements as a share of the change they made: between a fourth (halving twice, first order) and
@@ -115,6 +117,11 @@ fn carry(task: &Task, deviation: &[f64], replicates: usize) -> Result<Vec<f64>, 
             break;
         }
     }
+    // The deviations are those of all rays; the operator, which the carried noise is of, had fewer.
+    let thinner = f64::from(THINNING).powf(RATE);
     let n = replicates as f64;
-    Ok(carried.chunks_exact(replicates).map(|c| c.iter().map(|v| v * v).sum::<f64>() / (n * (n - 1.0))).collect())
+    Ok(carried
+        .chunks_exact(replicates)
+        .map(|c| thinner * c.iter().map(|v| v * v).sum::<f64>() / (n * (n - 1.0)))
+        .collect())
 }

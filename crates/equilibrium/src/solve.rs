@@ -104,6 +104,10 @@ pub struct Solution {
 /// Independent replicates: enough for an estimate of the error, few enough that each is long.
 const REPLICATES: usize = 4;
 
+/// The operator is built from one ray in this many: the noise it leaves in the radiosity of single sides averages out
+/// in the gather, which uses all rays, and the error estimate accounts for it.
+pub(crate) const THINNING: u32 = 4;
+
 /// A round multiplies the samples of a side by at most this.
 const GROWTH: u32 = 32;
 
@@ -205,7 +209,7 @@ fn exchange(transport: &Transport, settings: &Settings) -> ElementExchange {
         Closure::Balanced => (0.1 * settings.accuracy.min(0.1), 12),
         Closure::Exact => (1e-9, 500),
     };
-    transport.on(&Elements::whole(transport.enclosure()), Some(balance))
+    transport.on(&Elements::whole(transport.enclosure()), THINNING, Some(balance))
 }
 
 fn task<'a>(

@@ -18,6 +18,8 @@ pub struct Measured<'a> {
     pub luminaires: &'a [Luminaire],
     /// Columns of the luminaires by area sampling.
     pub lights: &'a Samples<LightSample>,
+    /// At most this many rays per replicate of each side enter the operator.
+    pub rays: &'a (dyn Fn(usize) -> usize + Sync),
 }
 
 /// What the rays of an element say about it as a whole.
@@ -76,6 +78,12 @@ impl Measured<'_> {
         ElementExchange { operator, exposed_area, landed, raw_closure, imbalance }
     }
 
+    /// The rays of a side that enter the operator.
+    fn rays_of(&self, side: usize) -> impl Iterator<Item = &Shot> {
+        let most = (self.rays)(side);
+        (0..self.shots.replicates()).flat_map(move |k| self.shots.replicate(side, k).take(most))
+    }
+
     /// Marks the sides that are luminaires: pairs with them are measured by area, not by rays.
     fn lamp_sides(&self) -> Vec<bool> {
         let mut lamps = vec![false; self.enclosure.sides()];
@@ -94,7 +102,7 @@ impl Measured<'_> {
             .map(|side| {
                 let first = elements.of(side).start;
                 let mut census = vec![Census::default(); elements.of(side).len()];
-                for shot in self.shots.of(side) {
+                for shot in self.rays_of(side) {
                     let c = &mut census[elements.at(side, shot.origin_cell) - first];
                     c.shots += 1;
                     c.landed += u32::from(shot.landed());
@@ -138,7 +146,7 @@ impl Measured<'_> {
     ) -> Vec<(u32, u32, f32)> {
         let mut pairs = Vec::new();
         if !lamps[side] {
-            for shot in self.shots.of(side).filter(|s| s.landed() && !lamps[s.target as usize]) {
+            for shot in self.rays_of(side).filter(|s| s.landed() && !lamps[s.target as usize]) {
                 let i = elements.at(side, shot.origin_cell);
                 let j = elements.at(shot.target as usize, shot.target_cell);
                 pairs.push((i as u32, j as u32, shot_value(density, i, j)));

@@ -128,7 +128,7 @@ impl Row {
         for replicate in 0..replicates {
             let sequence = Sequence::new(seed, side as u32, replicate as u32, STREAM);
             for index in first..first + each {
-                let [s, t, u, v] = sequence.point(index);
+                let [u, v, s, t] = sequence.point(index);
                 let direction = cosine_hemisphere(&frame, u, v);
                 self.rays.push(enclosure.ray(enclosure.point_off(side, s, t), direction));
                 self.cells.push(Cell::new(s, t));

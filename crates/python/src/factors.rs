@@ -40,7 +40,7 @@ pub fn form_factors(
         let mut transport = Transport::new(enclosure, Luminaires::default(), REPLICATES, seed);
         control.expect(u64::from(rays) * sides as u64);
         transport.refine(&vec![rays.div_ceil(REPLICATES as u32); sides], &vec![0; sides], control)?;
-        let exchange = transport.on(&Elements::whole(transport.enclosure()), None);
+        let exchange = transport.on(&Elements::whole(transport.enclosure()), 1, None);
         Ok(Factors { transport: Arc::new(transport), exchange })
     })?;
     result.map_err(errors::failure)

@@ -1,5 +1,11 @@
 //! What is to be lit: surfaces with materials, lights, cameras; the files they come from; their meshing into patches.
 
+pub mod builtin;
+mod findings;
+pub mod formats;
+pub mod meshing;
 pub mod model;
+mod quad;
 
+pub use formats::{LoadOptions, Unit, load};
 pub use model::{Camera, Face, Finding, Light, Material, Scene, SceneError, Severity, Surface};

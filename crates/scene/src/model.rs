@@ -129,12 +129,129 @@ pub struct Finding {
 
 /// A scene that cannot be loaded or lit: one sentence with file, element and remedy.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("{file}: {element}: {message}")]
+#[error("{file}: {}{message}", prefix(.element))]
 pub struct SceneError {
     /// The file, or the name of the scene.
     pub file: String,
-    /// The element at fault.
+    /// The element at fault; empty where it is the whole file.
     pub element: String,
     /// What is wrong and what to do.
     pub message: String,
+}
+
+impl SceneError {
+    /// An error about `element` of `file`.
+    pub fn new(file: impl Into<String>, element: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { file: file.into(), element: element.into(), message: message.into() }
+    }
+}
+
+impl Finding {
+    /// Something worth knowing about `element`.
+    pub fn note(code: &'static str, element: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::new(Severity::Note, code, element, message)
+    }
+
+    /// Something about `element` that may spoil the answer.
+    pub fn warning(code: &'static str, element: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::new(Severity::Warning, code, element, message)
+    }
+
+    /// Something about `element` that makes the scene impossible to light.
+    pub fn error(code: &'static str, element: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::new(Severity::Error, code, element, message)
+    }
+
+    fn new(severity: Severity, code: &'static str, element: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { severity, code, element: element.into(), message: message.into() }
+    }
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let severity = match self.severity {
+            Severity::Note => "note",
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        };
+        let (code, element, message) = (self.code, prefix(&self.element), &self.message);
+        write!(out, "{severity} [{code}]: {element}{message}")
+    }
+}
+
+fn prefix(element: &str) -> String {
+    if element.is_empty() { String::new() } else { format!("{element}: ") }
+}
+
+/// The names of `n` bands: R, G, B for three, numbers otherwise.
+pub fn band_names(n: usize) -> Vec<String> {
+    match n {
+        1 => vec!["grey".into()],
+        3 => vec!["R".into(), "G".into(), "B".into()],
+        _ => (1..=n).map(|band| format!("band {band}")).collect(),
+    }
+}
+
+impl Material {
+    /// A one-sided material.
+    pub fn new(name: impl Into<String>, reflectance: &[f64], emission: &[f64]) -> Self {
+        Self { name: name.into(), reflectance: reflectance.to_vec(), emission: emission.to_vec(), two_sided: false }
+    }
+
+    /// The same material on both sides of its surfaces.
+    pub fn on_both_sides(self) -> Self {
+        Self { two_sided: true, ..self }
+    }
+
+    /// Whether it emits in any band.
+    pub fn emits(&self) -> bool {
+        self.emission.iter().any(|&exitance| exitance > 0.0)
+    }
+}
+
+impl Surface {
+    /// The four corner positions of a face; a triangle repeats its last.
+    ///
+    /// # Panics
+    /// If the face refers to a vertex that does not exist, which [`Scene::findings`] reports.
+    pub fn corners(&self, face: Face) -> [DVec3; 4] {
+        face.map(|vertex| self.vertices[vertex as usize])
+    }
+}
+
+impl Light {
+    /// Name from the file.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Point { name, .. } | Self::Spot { name, .. } | Self::Directional { name, .. } => name,
+        }
+    }
+
+    /// What it sends out per band: W/sr, or W/m2 for directional light.
+    pub fn power(&self) -> &[f64] {
+        match self {
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Directional { irradiance, .. } => irradiance,
+        }
+    }
+}
+
+impl Scene {
+    /// The smallest box around all vertices as its two extreme corners; `None` without vertices.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let mut vertices = self.surfaces.iter().flat_map(|surface| &surface.vertices);
+        let first = *vertices.next()?;
+        Some(vertices.fold((first, first), |(low, high), &v| (low.min(v), high.max(v))))
+    }
+
+    /// Whether any surface or light emits.
+    pub fn has_light(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.material.emits() && !surface.faces.is_empty())
+            || self.lights.iter().any(|light| light.power().iter().any(|&power| power > 0.0))
+    }
+
+    /// The number of faces of all surfaces.
+    pub fn face_count(&self) -> usize {
+        self.surfaces.iter().map(|surface| surface.faces.len()).sum()
+    }
 }

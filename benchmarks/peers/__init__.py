@@ -1,0 +1,1 @@
+"""Other renderers on the Cornell reference; each runs as its own process and prints JSON lines."""

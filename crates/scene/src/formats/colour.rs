@@ -1,0 +1,43 @@
+//! Reflectance and emission as files give them.
+
+use std::f64::consts::PI;
+
+use super::names::Roll;
+
+/// The highest reflectance taken from a file.
+///
+/// Files commonly carry a base colour of 1, which no paint has and with which light in a closed room never settles.
+pub(super) const MAX_REFLECTANCE: f64 = 0.95;
+
+/// What stands for a colour that is missing: a mid grey.
+pub(super) const UNKNOWN_REFLECTANCE: f64 = 0.5;
+
+/// Limits a reflectance in [0, 1] and says so.
+pub(super) fn limited(reflectance: [f64; 3], material: &str, roll: &mut Roll) -> [f64; 3] {
+    if reflectance.iter().any(|&rho| rho > MAX_REFLECTANCE) {
+        let message = "the base colour is above 0.95 and was limited to 0.95; give it the reflectance of a real paint, \
+                       such as 0.8";
+        roll.warn("reflectance-limited", "material", material, message);
+    }
+    reflectance.map(|rho| rho.min(MAX_REFLECTANCE))
+}
+
+/// Whether all components lie in [0, 1].
+pub(super) fn is_fraction(colour: [f64; 3]) -> bool {
+    colour.iter().all(|c| (0.0..=1.0).contains(c))
+}
+
+/// Whether all components are finite and not negative.
+pub(super) fn is_power(colour: [f64; 3]) -> bool {
+    colour.iter().all(|c| c.is_finite() && *c >= 0.0)
+}
+
+/// Componentwise product.
+pub(super) fn times(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
+
+/// Exitance of a Lambertian surface of the given radiance.
+pub(super) fn exitance(radiance: [f64; 3]) -> [f64; 3] {
+    radiance.map(|l| PI * l)
+}

@@ -1,0 +1,156 @@
+//! Wavefront OBJ with its material library.
+//!
+//! Each pair of group (`o`, `g`) and material (`usemtl`) becomes one surface. Planar, convex quads stay quads; other
+//! polygons are cut into triangles. Surfaces are two-sided unless the options say otherwise, because many writers of
+//! OBJ do not care which way faces wind. Normals, texture coordinates, lines, points and curves are not read.
+
+mod library;
+mod statements;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::DVec3;
+
+use self::library::Library;
+use self::statements::{Geometry, Group};
+use super::LoadOptions;
+use super::folder::Folder;
+use super::names::{Roll, UniqueNames};
+use super::polygon;
+use crate::model::{Face, Finding, Scene, SceneError, Surface, band_names};
+
+/// Reads an `.obj` file and the `.mtl` files it names.
+///
+/// # Errors
+/// If the file is missing or damaged, or holds no faces.
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let path = path.as_ref();
+    parse(path, &super::read(path)?, options)
+}
+
+/// Reads the bytes of a file; its path serves messages and finds its material libraries.
+pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, SceneError> {
+    let file = path.display().to_string();
+    super::check(options, &file)?;
+    let text = String::from_utf8_lossy(bytes);
+    let geometry = statements::read(&text).map_err(|fault| SceneError::new(&file, fault.element(), fault.message))?;
+    let folder = Folder::of(path);
+    let mut library = Library::open(&geometry.libraries, &folder)?;
+    let mut builder = Builder::new(&geometry, options);
+    for group in &geometry.groups {
+        builder.add(group, &mut library)?;
+        if builder.faces > options.max_faces {
+            let message = format!("the file has more than {} faces; simplify it or raise the limit", options.max_faces);
+            return Err(SceneError::new(file, "", message));
+        }
+    }
+    if builder.faces == 0 {
+        let message = "the file holds no faces with an area; export meshes as polygons";
+        return Err(SceneError::new(file, "", message));
+    }
+    let mut scene = builder.scene;
+    scene.name = super::scene_name(path);
+    scene.findings = library.into_findings();
+    scene.findings.extend(builder.roll.into_findings());
+    scene.findings.extend(left_out(&geometry));
+    Ok(scene)
+}
+
+fn left_out(geometry: &Geometry) -> Option<Finding> {
+    let message = "lines, points and curves have no area and were left out";
+    let line = geometry.first_without_area?;
+    Some(Finding::warning("no-area-primitives", format!("line {line}"), message))
+}
+
+/// The scene so far.
+struct Builder<'a> {
+    geometry: &'a Geometry,
+    options: &'a LoadOptions,
+    names: UniqueNames,
+    /// How many materials each group name appears with.
+    materials_of: HashMap<&'a str, usize>,
+    roll: Roll,
+    faces: usize,
+    scene: Scene,
+}
+
+impl<'a> Builder<'a> {
+    fn new(geometry: &'a Geometry, options: &'a LoadOptions) -> Self {
+        let mut materials_of = HashMap::new();
+        for group in geometry.groups.iter().filter(|group| !group.polygons.is_empty()) {
+            *materials_of.entry(group.name.as_str()).or_insert(0) += 1;
+        }
+        Self {
+            geometry,
+            options,
+            names: UniqueNames::default(),
+            materials_of,
+            roll: Roll::default(),
+            faces: 0,
+            scene: Scene { bands: band_names(3), ..Scene::default() },
+        }
+    }
+
+    fn add(&mut self, group: &Group, library: &mut Library) -> Result<(), SceneError> {
+        let name = self.name(group);
+        let faces = self.faces_of(group, &name);
+        if faces.is_empty() {
+            return Ok(());
+        }
+        self.faces += faces.len();
+        let (vertices, faces) = compacted(&self.geometry.positions, faces, self.options.unit.metres());
+        let mut material = library.material(group.material.as_deref())?;
+        material.two_sided = self.options.two_sided.unwrap_or(true);
+        let name = self.names.claim(&name);
+        self.scene.surfaces.push(Surface { name, vertices, faces, material });
+        Ok(())
+    }
+
+    /// The group's name, with the material's where a group has several.
+    fn name(&self, group: &Group) -> String {
+        let shared = self.materials_of.get(group.name.as_str()).is_some_and(|&materials| materials > 1);
+        match (&group.material, group.name.as_str()) {
+            (Some(material), "") => material.clone(),
+            (None, "") => "unnamed".into(),
+            (Some(material), name) if shared => format!("{name}.{material}"),
+            (_, name) => name.into(),
+        }
+    }
+
+    fn faces_of(&mut self, group: &Group, name: &str) -> Vec<Face> {
+        let mut faces = Vec::with_capacity(group.polygons.len());
+        for corners in group.polygons.iter() {
+            let cut = polygon::cut(corners, &self.geometry.positions);
+            if cut.bent {
+                let message = "it has polygons that are not planar, which were cut into triangles";
+                self.roll.warn("non-planar-polygons", "surface", name, message);
+            }
+            if cut.tangled {
+                let message = "it has polygons whose edges cross, which are not covered faithfully; repair the mesh";
+                self.roll.warn("tangled-polygons", "surface", name, message);
+            }
+            if cut.faces.is_empty() {
+                let message = "it has polygons without area, which were left out";
+                self.roll.warn("zero-area-polygons", "surface", name, message);
+            }
+            faces.extend(cut.faces);
+        }
+        faces
+    }
+}
+
+/// The vertices that the faces use, in metres, and the faces renumbered.
+fn compacted(positions: &[DVec3], mut faces: Vec<Face>, metres: f64) -> (Vec<DVec3>, Vec<Face>) {
+    let (mut place, mut vertices) = (HashMap::new(), Vec::new());
+    for corner in faces.iter_mut().flatten() {
+        *corner = *place.entry(*corner).or_insert_with(|| {
+            vertices.push(metres * positions[*corner as usize]);
+            vertices.len() as u32 - 1
+        });
+    }
+    (vertices, faces)
+}
+
+#[cfg(test)]
+mod tests;

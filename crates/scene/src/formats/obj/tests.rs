@@ -1,0 +1,147 @@
+use std::f64::consts::PI;
+
+use super::*;
+use crate::formats::tests::Scratch;
+use crate::formats::texture::tests::two_colour_png;
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn try_parse(text: &str) -> Result<Scene, SceneError> {
+    parse(Path::new("nowhere/test.obj"), text.as_bytes(), &LoadOptions::default())
+}
+
+fn refusal(text: &str) -> String {
+    try_parse(text).unwrap_err().to_string()
+}
+
+fn codes(scene: &Scene) -> Vec<&str> {
+    scene.findings.iter().map(|finding| finding.code).collect()
+}
+
+#[test]
+fn quads_stay_quads_and_are_two_sided() {
+    let scene = try_parse(&format!("{SQUARE}o sheet\nf 1/1/1 2//1 3/2 4\n")).unwrap();
+    let sheet = &scene.surfaces[0];
+    assert_eq!((sheet.name.as_str(), &sheet.faces[..]), ("sheet", &[[0, 1, 2, 3]][..]));
+    assert!(sheet.material.two_sided);
+    assert_eq!(sheet.material.reflectance, [0.5; 3]);
+    assert_eq!(codes(&scene), ["no-material"]);
+
+    let options = LoadOptions { two_sided: Some(false), ..LoadOptions::default() };
+    let text = format!("{SQUARE}f 1 2 3 4");
+    let scene = parse(Path::new("a.obj"), text.as_bytes(), &options).unwrap();
+    assert!(!scene.surfaces[0].material.two_sided);
+}
+
+#[test]
+fn relative_indices_count_backwards() {
+    let scene = try_parse(&format!("{SQUARE}f -4 -3 -2 -1\nv 5 5 5\nf -1 -2 -3")).unwrap();
+    let surface = &scene.surfaces[0];
+    assert_eq!(surface.corners(surface.faces[0])[0], DVec3::ZERO);
+    assert_eq!(surface.corners(surface.faces[1])[0], DVec3::splat(5.0));
+}
+
+#[test]
+fn bad_statements_name_their_line() {
+    let cases = [
+        ("f 1 2 5", "line 5: the face refers to vertex 5 of 4"),
+        ("f 1 2 0", "line 5: the face refers to vertex 0; OBJ counts from 1"),
+        ("f 1 2 -5", "line 5: the face refers to vertex -5 of 4"),
+        ("f 1 2 -9223372036854775808", "line 5: the face refers to vertex -9223372036854775808 of 4"),
+        ("f 1 2 9223372036854775807", "line 5: the face refers to vertex 9223372036854775807 of 4"),
+        ("f 1 2 99999999999999999999", "line 5: '99999999999999999999' is not a vertex index"),
+        ("f 1 2 x", "line 5: 'x' is not a vertex index"),
+        ("f 1 2", "line 5: the face has 2 corners"),
+        ("f", "line 5: the face has 0 corners"),
+        ("v 1 2", "line 5: the vertex '1 2' has fewer than three"),
+        ("v 1 nan 2", "line 5: '1 nan 2' are not three finite"),
+        ("v 1 inf 2", "line 5: '1 inf 2' are not three finite"),
+        ("v 1 1e999 2", "line 5: '1 1e999 2' are not three finite"),
+        ("v 1 1e300 2", "line 5: '1 1e300 2' are not three finite"),
+        ("v a b c", "line 5: 'a b c' are not three finite"),
+    ];
+    for (statement, expected) in cases {
+        let message = refusal(&format!("{SQUARE}{statement}\nf 1 2 3\n"));
+        assert!(message.starts_with(&format!("nowhere/test.obj: {expected}")), "{message}");
+    }
+}
+
+#[test]
+fn continued_lines_are_joined() {
+    let scene = try_parse(&format!("{SQUARE}f 1 2 \\\n  3 4 # and a comment\n")).unwrap();
+    assert_eq!(scene.surfaces[0].faces, [[0, 1, 2, 3]]);
+    assert!(refusal(&format!("{SQUARE}f 1 2 \\\n  3 4\nf 1 2 9")).contains("line 7"));
+}
+
+#[test]
+fn byte_order_marks_and_signs_within_names_are_kept_apart() {
+    let scene = try_parse(&format!("\u{feff}{SQUARE}o wall#1#a # the first\nf 1 2 3 4 #end\n")).unwrap();
+    assert_eq!(scene.surfaces[0].name, "wall#1#a");
+    assert_eq!(scene.surfaces[0].vertices.len(), 4);
+}
+
+#[test]
+fn groups_and_materials_make_surfaces() {
+    let faces = "g wall\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\ng\nf 1 2 4\ng wall\nusemtl a\nf 2 3 4\n";
+    let scene = try_parse(&format!("{SQUARE}{faces}")).unwrap();
+    let surfaces: Vec<_> = scene.surfaces.iter().map(|s| (s.name.as_str(), s.faces.len())).collect();
+    assert_eq!(surfaces, [("wall.a", 2), ("wall.b", 1), ("b", 1)]);
+    assert_eq!(codes(&scene), ["unknown-material"]);
+    assert_eq!(scene.findings[0].element, "materials 'a', 'b'");
+}
+
+#[test]
+fn polygons_are_triangulated_and_bent_quads_noticed() {
+    let text = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 2 1\nf 1 2 3 4 5 6\nf 1 2 3 7\n";
+    let scene = try_parse(text).unwrap();
+    assert_eq!(scene.face_count(), 6);
+    assert!(codes(&scene).contains(&"non-planar-polygons"));
+    assert!(scene.validate_geometry().is_ok());
+}
+
+#[test]
+fn lines_and_flat_polygons_are_left_out() {
+    let scene = try_parse(&format!("{SQUARE}l 1 2\np 1\nf 1 2 1\nf 1 2 3\n")).unwrap();
+    assert_eq!(scene.face_count(), 1);
+    assert_eq!(codes(&scene), ["no-material", "zero-area-polygons", "no-area-primitives"]);
+}
+
+#[test]
+fn libraries_give_colours_light_and_textures() {
+    let scratch = Scratch::new("library");
+    scratch.write("tex/check.png", two_colour_png([255; 3], [0; 3]));
+    let mtl = "newmtl wall\nKd 0.8 0.6 1\nmap_Kd tex\\check.png\nnewmtl lamp\nKd 1 1 1\nKe 1 2 3\n";
+    scratch.write("my room.mtl", mtl);
+    let faces = "usemtl wall\nf 1 2 3\nusemtl lamp\nf 1 3 4\n";
+    let path = scratch.write("room.obj", format!("mtllib my room.mtl\n{SQUARE}{faces}"));
+    let scene = load(&path, &LoadOptions::default()).unwrap();
+    let [wall, lamp] = &scene.surfaces[..] else { panic!("{:?}", scene.surfaces) };
+    assert_eq!(wall.material.reflectance, [0.4, 0.3, 0.5]);
+    assert_eq!(lamp.material.emission, [PI, 2.0 * PI, 3.0 * PI]);
+    assert_eq!(lamp.material.reflectance, [0.95; 3]);
+    assert_eq!(codes(&scene), ["reflectance-limited"]);
+    assert!(scene.validate().is_ok());
+}
+
+#[test]
+fn missing_libraries_and_textures_are_warnings() {
+    let scratch = Scratch::new("missing");
+    scratch.write("a.mtl", "newmtl wall\nmap_Kd ../secret.png\n");
+    let path = scratch.write("room.obj", format!("mtllib a.mtl\nmtllib b.mtl\n{SQUARE}usemtl wall\nf 1 2 3\n"));
+    let scene = load(&path, &LoadOptions::default()).unwrap();
+    assert_eq!(codes(&scene), ["missing-library", "unreadable-texture"]);
+    assert_eq!(scene.surfaces[0].material.reflectance, [0.5; 3]);
+}
+
+#[test]
+fn no_damage_panics() {
+    let whole = format!("mtllib x.mtl\no a\n{SQUARE}usemtl m\nf 1/1/1 2/2/2 -2 \\\n 4\ng b c\nf 1 2 3\nl 1 2\n");
+    for position in 0..whole.len() {
+        let _ = try_parse(&whole[..position]);
+        for byte in [0, b' ', b'\n', b'-', b'/', b'9', b'\\', b'#', 0xff] {
+            let mut damaged = whole.clone().into_bytes();
+            damaged[position] = byte;
+            let _ = parse(Path::new("test.obj"), &damaged, &LoadOptions::default()).map(|scene| scene.findings());
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The mean colour of an image.
+//!
+//! A patch sees the mean reflectance of what is painted on it. The mean is over the whole image, wherever the texture
+//! coordinates of a surface may point.
+
+use std::io::Cursor;
+
+use image::{DynamicImage, ImageReader, Limits};
+
+/// No texture of a room needs more; the limit keeps a small file from filling the memory.
+const MAX_SIDE: u32 = 16_384;
+
+/// Mean colour of an image, read in two ways.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mean {
+    /// For colours: sRGB made linear before averaging.
+    pub colour: [f64; 3],
+    /// For data such as metalness: averaged as stored.
+    pub data: [f64; 3],
+}
+
+/// The mean of a PNG or JPEG image.
+pub(super) fn mean(bytes: &[u8]) -> Result<Mean, String> {
+    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
+    if reader.format().is_none() {
+        return Err("it is neither PNG nor JPEG".into());
+    }
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| error.to_string())?;
+    if image.width() == 0 || image.height() == 0 {
+        return Err("it has no pixels".into());
+    }
+    Ok(mean_of(image))
+}
+
+fn mean_of(image: DynamicImage) -> Mean {
+    use image::ColorType::{L16, La16, Rgb16, Rgba16};
+    match image.color() {
+        L16 | La16 | Rgb16 | Rgba16 => {
+            average(image.into_rgb16().pixels().map(|pixel| pixel.0.map(|c| f64::from(c) / 65535.0)))
+        }
+        _ => from_histogram(image.into_rgb8().as_raw()),
+    }
+}
+
+fn average(pixels: impl Iterator<Item = [f64; 3]>) -> Mean {
+    let (mut colour, mut data, mut count) = ([0.0; 3], [0.0; 3], 0.0);
+    for pixel in pixels {
+        for band in 0..3 {
+            colour[band] += linear(pixel[band]);
+            data[band] += pixel[band];
+        }
+        count += 1.0;
+    }
+    Mean { colour: colour.map(|sum| sum / count), data: data.map(|sum| sum / count) }
+}
+
+/// Counts the 256 levels of each channel first, which is exact and spares a power per pixel.
+fn from_histogram(pixels: &[u8]) -> Mean {
+    let mut levels = [[0_u64; 256]; 3];
+    for pixel in pixels.chunks_exact(3) {
+        for band in 0..3 {
+            levels[band][usize::from(pixel[band])] += 1;
+        }
+    }
+    let count = (pixels.len() / 3) as f64;
+    let weighted = |value: fn(f64) -> f64| {
+        levels.map(|band| {
+            let sum: f64 = (0..256).map(|level| band[level] as f64 * value(level as f64 / 255.0)).sum();
+            sum / count
+        })
+    };
+    Mean { colour: weighted(linear), data: weighted(|c| c) }
+}
+
+/// IEC 61966-2-1, the inverse of the sRGB transfer function.
+fn linear(srgb: f64) -> f64 {
+    if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use image::{ImageFormat, Rgb, RgbImage};
+
+    /// A PNG whose left half has one colour and right half another.
+    pub fn two_colour_png(left: [u8; 3], right: [u8; 3]) -> Vec<u8> {
+        let image = RgbImage::from_fn(4, 2, |x, _| Rgb(if x < 2 { left } else { right }));
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn mean_is_taken_of_linear_light() {
+        let mean = mean(&two_colour_png([255, 0, 128], [0, 0, 128])).unwrap();
+        assert!((mean.colour[0] - 0.5).abs() < 1e-12, "black and white average to half the light");
+        assert_eq!(mean.colour[1], 0.0);
+        assert!((mean.colour[2] - 0.215_860_5).abs() < 1e-6, "sRGB 128 is 21.6 % of white");
+        assert!((mean.data[2] - 128.0 / 255.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn sixteen_bit_images_agree_with_eight_bit_ones() {
+        let wide = mean_of(DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(3, 3, Rgb([128 * 257; 3]))));
+        let narrow = mean_of(DynamicImage::ImageRgb8(RgbImage::from_pixel(3, 3, Rgb([128; 3]))));
+        assert!((wide.colour[0] - narrow.colour[0]).abs() < 1e-12);
+    }
+
+    #[test]
+    fn other_bytes_are_refused() {
+        assert!(mean(b"RIFF....WEBPVP8 ").is_err());
+        assert!(mean(b"").is_err());
+        let whole = two_colour_png([1, 2, 3], [4, 5, 6]);
+        assert!(mean(&whole[..whole.len() / 2]).is_err());
+    }
+}
