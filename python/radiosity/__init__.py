@@ -8,13 +8,19 @@
 Lengths are metres, emission is radiant exitance in W/m2 per band, ``F[i, j]`` is the form factor from i to j.
 """
 
-from radiosity import scenes
-from radiosity._native import ResourceError, SceneError, __version__
-from radiosity.factors import FormFactors, form_factors
-from radiosity.patches import Patches
-from radiosity.report import Report
-from radiosity.scene import Camera, DirectionalLight, Finding, PointLight, Scene, SpotLight, Surface, load
-from radiosity.solution import Solution, solve
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from radiosity import scenes
+    from radiosity._native import ResourceError, SceneError, __version__
+    from radiosity.factors import FormFactors, form_factors
+    from radiosity.patches import Patches
+    from radiosity.report import Report
+    from radiosity.scene import Camera, DirectionalLight, Finding, PointLight, Scene, SpotLight, Surface, load
+    from radiosity.solution import Solution, solve
 
 __all__ = [
     "Camera",
@@ -36,3 +42,39 @@ __all__ = [
     "scenes",
     "solve",
 ]
+
+# Names are imported when first used: scipy alone takes longer to import than `radiosity --help` may take in all.
+_HOME = {
+    "ResourceError": "_native",
+    "SceneError": "_native",
+    "__version__": "_native",
+    "FormFactors": "factors",
+    "form_factors": "factors",
+    "Patches": "patches",
+    "Report": "report",
+    "Camera": "scene",
+    "DirectionalLight": "scene",
+    "Finding": "scene",
+    "PointLight": "scene",
+    "Scene": "scene",
+    "SpotLight": "scene",
+    "Surface": "scene",
+    "load": "scene",
+    "Solution": "solution",
+    "solve": "solution",
+}
+_MODULES = {"factors", "files", "patches", "picture", "report", "scene", "scenes", "solution"}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return importlib.import_module(f"radiosity.{name}")
+    if name not in _HOME:
+        raise AttributeError(f"module 'radiosity' has no attribute '{name}'")
+    value = getattr(importlib.import_module(f"radiosity.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(set(globals()) | set(__all__))

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.linalg import LinearOperator
 
 from radiosity import _native
+from radiosity.checks import threads_or_all, whole
 
 if TYPE_CHECKING:
     from radiosity.patches import Patches
@@ -19,6 +20,9 @@ Floats = npt.NDArray[np.float64]
 
 DEFAULT_RAYS = 4096
 """Rays per patch of the method ``monte_carlo``."""
+
+MAX_RAYS = 1 << 22
+"""The most rays per patch."""
 
 
 class FormFactors(LinearOperator):  # type: ignore[misc]
@@ -54,11 +58,13 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         if not -len(self.patches) <= i < len(self.patches):
             raise IndexError(f"row {i} of {len(self.patches)} patches")
         columns, values = self._native.entries(i % len(self.patches))
-        return np.bincount(columns, values, len(self.patches)) * self._inverse_area[i]
+        row: Floats = np.bincount(columns, values, len(self.patches)) * self._inverse_area[i]
+        return row
 
     def toarray(self) -> Floats:
         """(n, n) dense form factors."""
-        return self.to_scipy_sparse().toarray()
+        dense: Floats = self.to_scipy_sparse().toarray()
+        return dense
 
     def to_scipy_sparse(self) -> csr_array:
         """(n, n) compressed rows."""
@@ -104,8 +110,15 @@ def form_factors(
     if method not in ("auto", "monte_carlo"):
         raise ValueError(f"there is no method '{method}'; choose auto or monte_carlo")
     if rays is None:
-        rays = DEFAULT_RAYS if tolerance is None else int(np.ceil(0.25 / tolerance**2))
-    if not 1 <= rays <= 1 << 22:
-        raise ValueError(f"{rays} rays per patch are out of range: ask for a tolerance of 2.5e-4 or more")
-    native = _native.form_factors(patches._enclosure, rays, seed, threads, progress)
+        rays = DEFAULT_RAYS if tolerance is None else _rays_for(tolerance)
+    rays, seed = whole(rays, "rays", 1, MAX_RAYS), whole(seed, "seed", 0, 2**64 - 1)
+    native = _native.form_factors(patches._enclosure, rays, seed, threads_or_all(threads), progress)
     return FormFactors(patches, native)
+
+
+def _rays_for(tolerance: float) -> int:
+    """Rays that bring the standard error of the worst factor, 1/2, down to ``tolerance``."""
+    least = 0.5 / MAX_RAYS**0.5
+    if not least <= tolerance < np.inf:
+        raise ValueError(f"a tolerance of {tolerance} is out of reach: ask for {least:.1e} or more")
+    return int(np.ceil(0.25 / tolerance**2))

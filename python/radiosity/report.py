@@ -88,7 +88,8 @@ class Report:
             ("solver", f"{self.iterations} iterations, residual {self.residual:.1e}"
                        + ("" if self.converged else ", NOT converged")),
             ("memory", f"{self.memory_bytes / 1e6:.1f} MB"),
-            ("time", f"{self.seconds:.3f} s (sampling {self.sampling_seconds:.3f}, solving {self.solving_seconds:.3f})"),
+            ("time", f"{self.seconds:.2f} s"
+                     f" (sampling {self.sampling_seconds:.2f}, solving {self.solving_seconds:.2f})"),
         ]  # fmt: skip
         empty = [("arrived from lights", self.from_lights), ("lost on backs", self.lost_on_backs)]
         hidden = {label for label, values in empty if not any(values)}

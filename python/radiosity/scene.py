@@ -41,6 +41,15 @@ def _triple(values: Sequence[float] | Floats, what: str) -> Triple:
     return float(array[0]), float(array[1]), float(array[2])
 
 
+def _unit(direction: Sequence[float] | Floats, light: str) -> Triple:
+    """The direction of a light, scaled to length 1."""
+    x, y, z = _triple(direction, f"the direction of light '{light}'")
+    length = math.hypot(x, y, z)
+    if not 0 < length < math.inf:
+        raise SceneError(f"light '{light}': its direction ({x}, {y}, {z}) points nowhere; give one with a length")
+    return x / length, y / length, z / length
+
+
 @dataclass(eq=False)
 class Surface:
     """Polygons that share one material.
@@ -64,11 +73,15 @@ class Surface:
     material: str = ""
 
     def __post_init__(self) -> None:
-        self.vertices = np.ascontiguousarray(self.vertices, dtype=np.float64)
-        faces = np.asarray(self.faces)
+        vertices, faces = np.asarray(self.vertices, dtype=np.float64), np.asarray(self.faces)
+        if vertices.size and (vertices.ndim != 2 or vertices.shape[1] != 3):
+            raise SceneError(f"surface '{self.name}': vertices must have shape (n, 3), not {vertices.shape}")
         if faces.size and not np.issubdtype(faces.dtype, np.integer):
             raise SceneError(f"surface '{self.name}': faces must be integers, not {faces.dtype}")
-        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
+        if faces.size and (faces.ndim != 2 or faces.shape[1] not in (3, 4)):
+            raise SceneError(f"surface '{self.name}': faces must have shape (m, 3) or (m, 4), not {faces.shape}")
+        self.vertices = np.ascontiguousarray(vertices if vertices.size else np.zeros((0, 3)))
+        self.faces = np.ascontiguousarray(faces if faces.size else np.zeros((0, 3)), dtype=np.int64)
 
 
 @dataclass(eq=False)
@@ -102,7 +115,7 @@ class SpotLight:
         if not 0 <= self.inner_angle < self.outer_angle <= math.pi / 2:
             raise SceneError(f"light '{self.name}': angles must satisfy 0 <= inner < outer <= pi/2")
         power = _spectrum(self.intensity, bands, f"the intensity of light '{self.name}'")
-        position, direction = _triple(self.position, "position"), _triple(self.direction, "direction")
+        position, direction = _triple(self.position, "position"), _unit(self.direction, self.name)
         return "spot", self.name, position, direction, self.inner_angle, self.outer_angle, power
 
 
@@ -116,7 +129,7 @@ class DirectionalLight:
 
     def _tuple(self, bands: int) -> _native.LightTuple:
         power = _spectrum(self.irradiance, bands, f"the irradiance of light '{self.name}'")
-        return "directional", self.name, (0.0, 0.0, 0.0), _triple(self.direction, "direction"), 0.0, 0.0, power
+        return "directional", self.name, (0.0, 0.0, 0.0), _unit(self.direction, self.name), 0.0, 0.0, power
 
 
 Light = PointLight | SpotLight | DirectionalLight
@@ -149,6 +162,12 @@ class Camera:
             raise SceneError(f"camera '{name}': position and target coincide")
         return cls(_triple(position, "position"), _triple(forward / length, "forward"), _triple(up, "up"), vertical_fov,
                    name=name)  # fmt: skip
+
+    @classmethod
+    def _from_tuple(cls, fields: _native.CameraTuple) -> Camera:
+        name, position, forward, up, vertical_fov, aspect = fields
+        place, ahead, above = (_triple(v, f"camera '{name}'") for v in (position, forward, up))
+        return cls(place, ahead, above, vertical_fov, aspect, name)
 
     def _tuple(self) -> _native.CameraTuple:
         return self.name, self.position, self.forward, self.up, self.vertical_fov, self.aspect
@@ -213,14 +232,15 @@ class Scene:
             for name, vertices, faces, material, reflectance, emission, two_sided in native.surfaces()
         ]
         lights = [_light(fields) for fields in native.lights()]
-        cameras = [Camera(p, f, u, fov, aspect, name) for name, p, f, u, fov, aspect in native.cameras()]
+        cameras = [Camera._from_tuple(fields) for fields in native.cameras()]
         findings = [Finding(*f) for f in native.loading_findings()]
         return cls(surfaces, lights, cameras, native.name, native.bands, findings)
 
     def _native(self) -> _native.Scene:
         n = len(self.bands)
         surfaces = [
-            (s.name, s.vertices, s.faces, s.material, _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
+            (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
+             _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
              _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided)
             for s in self.surfaces
         ]  # fmt: skip
@@ -237,9 +257,7 @@ class Scene:
         """Raise SceneError with file, element and remedy if the scene cannot be lit."""
         self._native().validate()
 
-    def patches(
-        self, *, max_edge: float | None = None, count: int | None = None, as_is: bool = False
-    ) -> Patches:
+    def patches(self, *, max_edge: float | None = None, count: int | None = None, as_is: bool = False) -> Patches:
         """Cut the surfaces into patches.
 
         Args:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -48,3 +49,25 @@ def two_plates(
     return Scene._from_native(
         _native.builtin("two_plates", [width, depth, gap], [lower_rho, lower_e, upper_rho, upper_e])
     )
+
+
+def cornell_box_original() -> Scene:
+    """The Cornell box as it was measured: faces that are rectangles only to a few millimetres."""
+    return cornell_box("original")
+
+
+def furnished_room(detail: int = 1) -> Scene:
+    """A closed, furnished room with lamps, a window and three cameras; ``detail`` from 0 to 8 sets its faces."""
+    if not 0 <= detail <= 8:
+        raise ValueError(f"detail is a number from 0 to 8, not {detail}")
+    return Scene._from_native(_native.builtin("furnished_room", [float(detail)], []))
+
+
+BUILTIN_SCENES: dict[str, Callable[[], Scene]] = {
+    "cornell-box": cornell_box,
+    "cornell-box-original": cornell_box_original,
+    "furnished-room": furnished_room,
+    "furnace": furnace,
+    "two-plates": two_plates,
+}
+"""Built-in scenes by the name that the command line knows them by; the docstring's first line describes each."""

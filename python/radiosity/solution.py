@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from radiosity import _native
+from radiosity.checks import threads_or_all, whole
 from radiosity.factors import FormFactors
 from radiosity.patches import Patches
 from radiosity.report import Report
-from radiosity.scene import Scene, SceneError
+from radiosity.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int, int], object]
@@ -64,9 +65,7 @@ class Solution:
         values[self.patches.two_sided] = backs
         return values
 
-    def relight(
-        self, *, emission: npt.ArrayLike | None = None, reflectance: npt.ArrayLike | None = None
-    ) -> Solution:
+    def relight(self, *, emission: npt.ArrayLike | None = None, reflectance: npt.ArrayLike | None = None) -> Solution:
         """The equilibrium with other lamps or paint on the same geometry, without a new ray.
 
         Args:
@@ -151,27 +150,31 @@ def solve(
     """
     patches = scene if isinstance(scene, Patches) else scene.patches(count=DEFAULT_PATCHES)
     patches.scene.validate()
-    options = {
-        "accuracy": float(accuracy),
-        "solver": solver,
-        "exact": closure == "exact",
-        "threads": threads,
-        "seed": int(seed),
-    }
+    exact, threads, seed = _is_exact(closure), threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
+    options = {"accuracy": float(accuracy), "solver": solver, "exact": exact, "threads": threads, "seed": seed}
     lamps = _lamps(patches.scene)
     if transport is not None:
         if transport.patches is not patches:
             raise ValueError("transport was measured on other patches; pass those patches to solve")
         native = transport._native.solve(
-            patches.reflectance, patches.emission, lamps, accuracy, solver, options["exact"], threads, progress
+            patches.reflectance, patches.emission, lamps, accuracy, solver, exact, threads, progress
         )
     else:
         native = _native.solve(
-            patches._enclosure, patches.reflectance, patches.emission, lamps, accuracy, seed, max_rays,
-            _available_memory() if memory_limit is None else int(memory_limit), solver, options["exact"], threads,
-            progress,
+            patches._enclosure, patches.reflectance, patches.emission, lamps, accuracy, seed,
+            whole(max_rays, "max_rays", 1, 2**32 - 1), _memory(memory_limit), solver, exact, threads, progress,
         )  # fmt: skip
     return Solution(patches, native, patches.reflectance, patches.emission, options)
+
+
+def _is_exact(closure: str) -> bool:
+    if closure not in ("balanced", "exact"):
+        raise ValueError(f"there is no closure '{closure}'; choose balanced or exact")
+    return closure == "exact"
+
+
+def _memory(limit: int | None) -> int:
+    return _available_memory() if limit is None else whole(limit, "memory_limit", 0, 2**64 - 1)
 
 
 def _available_memory() -> int:
@@ -183,4 +186,4 @@ def _available_memory() -> int:
     return int(0.8 * pages * size)
 
 
-__all__ = ["DEFAULT_PATCHES", "SceneError", "Solution", "solve"]
+__all__ = ["DEFAULT_PATCHES", "Solution", "solve"]

@@ -1,7 +1,243 @@
 //! Pictures and files of a solution.
 
+use crate::patches::Patches;
+use crate::scene::{CameraTuple, camera_in, camera_out};
+use crate::{convert, watch};
+use numpy::ndarray::Array3;
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyValueError};
 use pyo3::prelude::*;
+use radiosity_picture::{
+    ColourMap, ColourScale, Exposure, FileError, Image, LitModel, LitSurface, RenderSettings, Shading, Smoother,
+    ToneCurve, reconstruction, tone,
+};
+use std::path::PathBuf;
+use std::sync::Arc;
 
-pub fn register(_module: &Bound<'_, PyModule>) -> PyResult<()> {
-    Ok(())
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(write_lit, module)?)?;
+    module.add_function(wrap_pyfunction!(write_vtp, module)?)?;
+    module.add_function(wrap_pyfunction!(read_lit, module)?)?;
+    module.add_function(wrap_pyfunction!(render, module)?)?;
+    module.add_function(wrap_pyfunction!(write_png, module)?)?;
+    module.add_function(wrap_pyfunction!(write_false_colours, module)?)?;
+    module.add_function(wrap_pyfunction!(write_exr, module)?)
+}
+
+/// name, material, reflectance, two_sided.
+type SurfaceTuple = (String, String, Vec<f64>, bool);
+/// Emission, irradiance, radiosity, error.
+type BlocksIn<'py> = [PyReadonlyArray2<'py, f64>; 4];
+
+/// An `OSError` with number, text and file as the interpreter's own.
+fn file_error(error: FileError) -> PyErr {
+    let path = error.path.display().to_string();
+    match error.source.raw_os_error() {
+        Some(code) => PyOSError::new_err((code, describe(&error.source), path)),
+        None => PyOSError::new_err(error.to_string()),
+    }
+}
+
+fn describe(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_string()
+}
+
+struct Lit {
+    patches: Arc<radiosity_geometry::Patches>,
+    surfaces: Vec<LitSurface>,
+    bands: Vec<String>,
+    blocks: [Vec<f64>; 4],
+    cameras: Vec<radiosity_scene::Camera>,
+    report: String,
+}
+
+impl Lit {
+    fn new(
+        patches: &Patches,
+        surfaces: Vec<SurfaceTuple>,
+        bands: Vec<String>,
+        blocks: BlocksIn<'_>,
+        cameras: Vec<CameraTuple>,
+        report: String,
+    ) -> PyResult<Self> {
+        let (n, b) = (patches.inner.len(), bands.len());
+        let [emission, irradiance, radiosity, error] = &blocks;
+        let blocks = [
+            convert::block_in(emission, n, b, "emission")?,
+            convert::block_in(irradiance, n, b, "irradiance")?,
+            convert::block_in(radiosity, n, b, "radiosity")?,
+            convert::block_in(error, n, b, "error")?,
+        ];
+        let surfaces = surfaces
+            .into_iter()
+            .map(|(name, material, reflectance, two_sided)| LitSurface { name, material, reflectance, two_sided })
+            .collect();
+        let cameras = cameras.into_iter().map(camera_in).collect();
+        Ok(Self { patches: patches.inner.clone(), surfaces, bands, blocks, cameras, report })
+    }
+
+    fn model(&self) -> LitModel<'_> {
+        let [emission, irradiance, radiosity, error] = &self.blocks;
+        LitModel {
+            patches: &self.patches,
+            surfaces: &self.surfaces,
+            bands: &self.bands,
+            emission,
+            irradiance,
+            radiosity,
+            error,
+            cameras: &self.cameras,
+            report_json: &self.report,
+            exposure: LitModel::automatic_exposure(&self.patches, radiosity, self.bands.len()),
+        }
+    }
+}
+
+/// Writes a lit model as binary glTF.
+#[pyfunction]
+fn write_lit(
+    py: Python<'_>,
+    path: PathBuf,
+    patches: &Patches,
+    surfaces: Vec<SurfaceTuple>,
+    bands: Vec<String>,
+    blocks: BlocksIn<'_>,
+    cameras: Vec<CameraTuple>,
+    report: String,
+) -> PyResult<()> {
+    let lit = Lit::new(patches, surfaces, bands, blocks, cameras, report)?;
+    py.detach(|| radiosity_picture::write_lit(&path, &lit.model())).map_err(file_error)
+}
+
+/// Writes a lit model as VTK PolyData.
+#[pyfunction]
+fn write_vtp(
+    py: Python<'_>,
+    path: PathBuf,
+    patches: &Patches,
+    surfaces: Vec<SurfaceTuple>,
+    bands: Vec<String>,
+    blocks: BlocksIn<'_>,
+    cameras: Vec<CameraTuple>,
+    report: String,
+) -> PyResult<()> {
+    let lit = Lit::new(patches, surfaces, bands, blocks, cameras, report)?;
+    py.detach(|| radiosity_picture::write_vtp(&path, &lit.model())).map_err(file_error)
+}
+
+type LitTuple<'py> =
+    (Patches, Vec<SurfaceTuple>, Vec<String>, [Bound<'py, PyArray2<f64>>; 4], Vec<CameraTuple>, String);
+
+/// Reads a lit model; `None` if the file is a glTF without a solution.
+#[pyfunction]
+fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
+    let Some(lit) = py.detach(|| radiosity_picture::read_lit(&path)).map_err(file_error)? else {
+        return Ok(None);
+    };
+    let bands = lit.bands.len();
+    let blocks =
+        [lit.emission, lit.irradiance, lit.radiosity, lit.error].map(|block| convert::block_out(py, block, bands));
+    let surfaces = lit.surfaces.into_iter().map(|s| (s.name, s.material, s.reflectance, s.two_sided)).collect();
+    let cameras = lit.cameras.iter().map(camera_out).collect();
+    Ok(Some((Patches { inner: Arc::new(lit.patches) }, surfaces, lit.bands, blocks, cameras, lit.report_json)))
+}
+
+/// Renders values on patches as a camera sees them, (height, width, bands) float32.
+///
+/// `irradiance` and `reflectance` (per surface) are given for radiosity, whose smooth shading keeps lamps and paints
+/// apart; other quantities are smoothed as they are.
+#[pyfunction]
+#[pyo3(signature = (patches, values, camera, width, height, samples, scale, smooth, irradiance=None, reflectance=None,
+                    threads=None, progress=None))]
+fn render<'py>(
+    py: Python<'py>,
+    patches: &Patches,
+    values: PyReadonlyArray2<'py, f64>,
+    camera: CameraTuple,
+    width: usize,
+    height: usize,
+    samples: usize,
+    scale: f64,
+    smooth: bool,
+    irradiance: Option<PyReadonlyArray2<'py, f64>>,
+    reflectance: Option<Vec<Vec<f64>>>,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let patches = patches.inner.clone();
+    let bands = values.as_array().ncols();
+    let values = convert::block_in(&values, patches.len(), bands, "values")?;
+    let irradiance = irradiance.map(|h| convert::block_in(&h, patches.len(), bands, "irradiance")).transpose()?;
+    let camera = camera_in(camera);
+    let settings = RenderSettings { width, height, samples, scale, ..RenderSettings::default() };
+    let image = watch::run(py, threads, progress.as_ref(), |control| {
+        if !smooth {
+            return radiosity_picture::render(&patches, Shading::Patches(&values), bands, &camera, &settings, control);
+        }
+        let smoother = Smoother::new(&patches, reconstruction::CREASE_ANGLE);
+        let corners = match (&irradiance, &reflectance) {
+            (Some(h), Some(rho)) => smoother.corner_radiosity(&values, h, rho, bands),
+            _ => smoother.corner_values(&values, bands),
+        };
+        radiosity_picture::render(&patches, Shading::Smooth(&corners), bands, &camera, &settings, control)
+    })?;
+    let image = image.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?;
+    let array = Array3::from_shape_vec((image.height, image.width, image.bands), image.pixels);
+    Ok(array.map_err(|e| PyValueError::new_err(e.to_string()))?.into_pyarray(py))
+}
+
+fn image_in(pixels: &PyReadonlyArray3<'_, f32>) -> Image {
+    let view = pixels.as_array();
+    let (height, width, bands) = view.dim();
+    Image { width, height, bands, pixels: view.iter().copied().collect() }
+}
+
+/// Develops a linear image to an sRGB PNG: exposure in stops, or automatic; curve filmic, linear or reinhard.
+#[pyfunction]
+#[pyo3(signature = (path, image, exposure=None, curve="filmic"))]
+fn write_png(
+    py: Python<'_>,
+    path: PathBuf,
+    image: PyReadonlyArray3<'_, f32>,
+    exposure: Option<f64>,
+    curve: &str,
+) -> PyResult<()> {
+    let image = image_in(&image);
+    let curve = match curve {
+        "filmic" => ToneCurve::Filmic,
+        "linear" => ToneCurve::Linear,
+        "reinhard" => ToneCurve::Reinhard { white: 4.0 },
+        _ => return Err(PyValueError::new_err(format!("there is no tone curve '{curve}'"))),
+    };
+    let exposure = exposure.map_or(Exposure::default(), Exposure::Stops);
+    py.detach(|| {
+        let picture = tone::developed(&image, exposure.factor(&image), curve);
+        radiosity_picture::write_png(&path, &picture)
+    })
+    .map_err(file_error)
+}
+
+/// Writes the mean over bands in false colours and returns the values of the first and the last colour.
+#[pyfunction]
+#[pyo3(signature = (path, image, low=None, high=None))]
+fn write_false_colours(
+    path: PathBuf,
+    image: PyReadonlyArray3<'_, f32>,
+    low: Option<f64>,
+    high: Option<f64>,
+) -> PyResult<(f64, f64)> {
+    let image = image_in(&image);
+    let automatic = ColourScale::automatic(&image, false);
+    let scale = ColourScale { low: low.unwrap_or(automatic.low), high: high.unwrap_or(automatic.high), ..automatic };
+    let picture = tone::false_colours(&image, &scale, ColourMap::default());
+    radiosity_picture::write_png(&path, &picture).map_err(file_error)?;
+    Ok((scale.low, scale.high))
+}
+
+/// Writes a linear image as OpenEXR with one channel per band.
+#[pyfunction]
+fn write_exr(py: Python<'_>, path: PathBuf, image: PyReadonlyArray3<'_, f32>, bands: Vec<String>) -> PyResult<()> {
+    let image = image_in(&image);
+    py.detach(|| radiosity_picture::write_exr(&path, &image, &bands)).map_err(file_error)
 }

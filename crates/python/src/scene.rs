@@ -134,6 +134,7 @@ pub fn builtin(name: &str, numbers: Vec<f64>, spectra: Vec<Vec<f64>>) -> PyResul
             Material::new("lower", spectrum(0), spectrum(1)),
             Material::new("upper", spectrum(2), spectrum(3)),
         ),
+        "furnished_room" => builtins::furnished_room(number(0) as u32),
         _ => return Err(PyValueError::new_err(format!("there is no built-in scene '{name}'"))),
     };
     Ok(Scene { inner })
@@ -200,7 +201,7 @@ fn light_in((kind, name, position, direction, inner_angle, outer_angle, power): 
     })
 }
 
-fn camera_out(c: &Camera) -> CameraTuple {
+pub fn camera_out(c: &Camera) -> CameraTuple {
     (c.name.clone(), c.position.to_array(), c.forward.to_array(), c.up.to_array(), c.vertical_fov, c.aspect)
 }
 

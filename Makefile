@@ -1,0 +1,73 @@
+# Everything happens in .venv, which is made on first use. Needs Rust and Python 3.11 or newer.
+
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+TOOLS := $(VENV)/.tools-installed
+NATIVE := $(VENV)/.extension-built
+RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
+TESTED_CRATES := --workspace --exclude radiosity-python  # an extension module cannot be linked into a test program
+
+# The same interpreter for every build, so that Rust does not rebuild what knows about Python.
+export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+
+.PHONY: help setup demo test test-rust test-python check bench validate lock clean
+
+help: ## Show this list.
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
+
+setup: $(NATIVE) ## Make .venv with pinned tools and build the extension into it.
+
+demo: $(NATIVE) ## Light the Cornell box: model, picture and table in out/.
+	$(BIN)/radiosity demo
+
+test: test-rust test-python ## Run all tests: Rust, Python, examples and the fast part of validation/.
+
+test-rust: $(TOOLS)
+	cargo test --locked --quiet $(TESTED_CRATES)
+
+test-python: $(NATIVE)
+	$(BIN)/pytest -m "not slow" tests validation
+
+check: $(TOOLS) ## Check formats, lints and types.
+	cargo fmt --all --check
+	cargo clippy --locked --quiet --workspace --all-targets -- -D warnings
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+validate: $(NATIVE) ## Run all of validation/: is it true?
+	$(BIN)/pytest validation
+
+bench: $(NATIVE) ## Time it beside other programs (see benchmarks/README.md).
+	$(BIN)/python benchmarks/cornell.py
+
+lock: ## Pin the newest tools that pyproject.toml allows in requirements-dev.lock.
+	@folder=$$(mktemp -d) && trap 'rm -rf "$$folder"' EXIT && $(PYTHON) -m venv "$$folder" \
+	  && "$$folder/bin/pip" install --quiet --upgrade 'pip>=25.1' \
+	  && "$$folder/bin/python" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["dependencies"], sep="\n")' > "$$folder/runtime.txt" \
+	  && "$$folder/bin/pip" install --quiet --group dev -r "$$folder/runtime.txt" \
+	  && { echo "# Written by make lock."; "$$folder/bin/pip" freeze; } > requirements-dev.lock
+
+clean: ## Remove everything that was built, .venv included.
+	rm -rf target $(VENV) out validation/out dist .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find python -name '*.so' -delete
+	find python tests validation examples -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(TOOLS): requirements-dev.lock
+	@command -v cargo > /dev/null || { echo "Rust is needed: see https://rustup.rs"; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Python 3.11 or newer is needed, and $(PYTHON) is not: say make PYTHON=python3.12, or the like"; exit 1; }
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --upgrade 'pip>=25.1'
+	$(BIN)/pip install --quiet --requirement requirements-dev.lock
+	touch $@
+
+$(NATIVE): $(TOOLS) pyproject.toml $(RUST_SOURCES)
+	PIP_QUIET=1 $(BIN)/maturin develop --release --locked --quiet
+	touch $@

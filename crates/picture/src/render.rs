@@ -1,0 +1,379 @@
+//! Pictures of patches from a viewpoint.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use glam::{DVec3, Vec3};
+use radiosity_geometry::Patches;
+use radiosity_geometry::bvh::{Bvh, BvhParams, Hit, Ray};
+use radiosity_operator::{Cancelled, Control};
+use radiosity_scene::Camera;
+use rayon::prelude::*;
+
+use crate::Image;
+
+/// What the patches show.
+#[derive(Clone, Copy, Debug)]
+pub enum Shading<'a> {
+    /// Each patch its value: `n_patches x bands`.
+    Patches(&'a [f64]),
+    /// What its four corners have, interpolated: `n_patches x 4 x bands`, see [`Smoother`](crate::Smoother).
+    Smooth(&'a [f64]),
+}
+
+/// How a picture is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Rays per pixel.
+    pub samples: usize,
+    /// Whether the backs of one-sided patches let the view through, as into a room from outside; else they are black.
+    pub culls_backs: bool,
+    /// What multiplies the values: 1/pi shows radiosity as radiance, 1 shows any quantity as it is.
+    pub scale: f64,
+    /// What lies behind everything, per band and not scaled; black if empty.
+    pub background: Vec<f32>,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self { width: 800, height: 600, samples: 16, culls_backs: true, scale: FRAC_1_PI, background: Vec::new() }
+    }
+}
+
+/// Renders patches as a camera sees them; every row is a step of `control`.
+///
+/// The same input gives the same bytes on any number of threads.
+///
+/// # Errors
+/// If `control` is cancelled.
+///
+/// # Panics
+/// If the values do not fit the patches, or the background the bands.
+pub fn render(
+    patches: &Patches,
+    shading: Shading,
+    bands: usize,
+    camera: &Camera,
+    settings: &RenderSettings,
+    control: &Control,
+) -> Result<Image, Cancelled> {
+    let (values, per_patch) = match shading {
+        Shading::Patches(values) => (values, 1),
+        Shading::Smooth(values) => (values, 4),
+    };
+    assert_eq!(values.len(), patches.len() * per_patch * bands, "values fit the patches");
+    assert!(settings.background.is_empty() || settings.background.len() == bands, "one background value per band");
+    let (width, height) = (settings.width, settings.height);
+    let mut image = Image { width, height, bands, pixels: vec![0.0; width * height * bands] };
+    if image.pixels.is_empty() {
+        return Ok(image);
+    }
+    control.expect(height as u64);
+    let view = View {
+        visible: Visible::new(patches, camera.position, settings.culls_backs),
+        frame: Frame::new(camera, width, height),
+        offsets: offsets(settings.samples),
+        shading,
+        bands,
+        settings,
+    };
+    image.pixels.par_chunks_exact_mut(width * bands).enumerate().try_for_each(|(row, pixels)| {
+        control.check()?;
+        view.render_row(row, pixels);
+        control.advance(1);
+        Ok(())
+    })?;
+    Ok(image)
+}
+
+/// Everything that one picture needs.
+struct View<'a> {
+    visible: Visible,
+    frame: Frame,
+    /// Where the rays of a pixel pass through it, in [0, 1).
+    offsets: Vec<[f64; 2]>,
+    shading: Shading<'a>,
+    bands: usize,
+    settings: &'a RenderSettings,
+}
+
+impl View<'_> {
+    fn render_row(&self, row: usize, pixels: &mut [f32]) {
+        let rays: Vec<Ray> = (0..self.settings.width)
+            .flat_map(|column| self.offsets.iter().map(move |[x, y]| (column as f64 + x, row as f64 + y)))
+            .map(|(x, y)| self.frame.ray(x, y))
+            .collect();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        self.visible.bvh.closest_hits(&rays, &mut hits);
+        let mut sum = vec![0.0; self.bands];
+        for (pixel, hits) in pixels.chunks_exact_mut(self.bands).zip(hits.chunks_exact(self.offsets.len())) {
+            sum.fill(0.0);
+            hits.iter().for_each(|hit| self.add(hit, &mut sum));
+            for (value, sum) in pixel.iter_mut().zip(&sum) {
+                *value = (sum / self.offsets.len() as f64) as f32;
+            }
+        }
+    }
+
+    /// Adds what a ray sees.
+    fn add(&self, hit: &Hit, sum: &mut [f64]) {
+        let (bands, scale) = (self.bands, self.settings.scale);
+        if hit.is_miss() {
+            sum.iter_mut().zip(&self.settings.background).for_each(|(sum, b)| *sum += f64::from(*b));
+            return;
+        }
+        if hit.triangle >= self.visible.first_black {
+            return;
+        }
+        let facet = self.visible.facets[hit.triangle as usize];
+        let patch = facet.patch as usize;
+        match self.shading {
+            Shading::Patches(values) => {
+                sum.iter_mut().zip(&values[patch * bands..]).for_each(|(sum, v)| *sum += scale * v);
+            }
+            Shading::Smooth(values) => {
+                let corners = &values[4 * patch * bands..];
+                for (k, weight) in facet.corner_weights(hit).into_iter().enumerate() {
+                    let corner = &corners[k * bands..][..bands];
+                    sum.iter_mut().zip(corner).for_each(|(sum, v)| *sum += scale * weight * v);
+                }
+            }
+        }
+    }
+}
+
+/// One triangle of a patch.
+#[derive(Clone, Copy, Debug)]
+struct Facet {
+    patch: u32,
+    part: Part,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    /// The patch is this triangle.
+    Whole,
+    /// Corners 0, 1 and 2 of a quad.
+    First,
+    /// Corners 0, 2 and 3 of a quad.
+    Second,
+}
+
+impl Facet {
+    /// The weights of the patch's corners where a ray met the facet.
+    ///
+    /// A quad is the unit square mapped affinely on either side of its diagonal. That is bilinear on parallelograms,
+    /// and on others continuous across all edges, which two triangles with linear values are too, but without their
+    /// ridge along the diagonal.
+    fn corner_weights(&self, hit: &Hit) -> [f64; 4] {
+        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+        let (s, t) = match self.part {
+            Part::Whole => return [1.0 - u - v, u, v, 0.0],
+            Part::First => (u + v, v),
+            Part::Second => (u, u + v),
+        };
+        [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t]
+    }
+}
+
+/// The facets that a viewpoint can see, and a tree to find them by.
+///
+/// Which side of a plane a viewpoint sees is known before any ray is shot, so backs need no care during traversal, and
+/// of two faces back to back at the same place the right one is seen. Coordinates are relative to the viewpoint: 32
+/// bits resolve best what is near.
+struct Visible {
+    bvh: Bvh,
+    facets: Vec<Facet>,
+    /// Facets from this one on show their black backs.
+    first_black: u32,
+}
+
+impl Visible {
+    fn new(patches: &Patches, eye: DVec3, culls_backs: bool) -> Self {
+        let (mut fronts, mut backs) = (Vec::new(), Vec::new());
+        for patch in 0..patches.len() {
+            for (part, triangle) in parts(patches, patch) {
+                let [a, b, c] = triangle.map(|p| p - eye);
+                let is_front = patches.two_sided[patch] || (b - a).cross(c - a).dot(a) < 0.0;
+                if is_front || !culls_backs {
+                    let facet = Facet { patch: patch as u32, part };
+                    let list = if is_front { &mut fronts } else { &mut backs };
+                    list.push((facet, [a.as_vec3(), b.as_vec3(), c.as_vec3()]));
+                }
+            }
+        }
+        let first_black = fronts.len() as u32;
+        // Of facets at the same distance the first is hit, so fronts come first.
+        let (facets, triangles): (Vec<_>, Vec<_>) = fronts.into_iter().chain(backs).unzip();
+        Self { bvh: Bvh::build(&triangles, &BvhParams::default()), facets, first_black }
+    }
+}
+
+/// The triangles of a patch.
+fn parts(patches: &Patches, patch: usize) -> impl Iterator<Item = (Part, [DVec3; 3])> {
+    let [a, b, c, d] = patches.polygons[patch];
+    let parts = if c == d {
+        [Some((Part::Whole, [a, b, c])), None]
+    } else {
+        [Some((Part::First, [a, b, c])), Some((Part::Second, [a, c, d]))]
+    };
+    parts.into_iter().flatten()
+}
+
+/// The plane of the picture, at distance one from the eye.
+struct Frame {
+    /// Its upper left corner.
+    corner: DVec3,
+    /// One pixel to the right.
+    right: DVec3,
+    /// One pixel down.
+    down: DVec3,
+}
+
+impl Frame {
+    fn new(camera: &Camera, width: usize, height: usize) -> Self {
+        let forward = camera.forward.normalize_or(DVec3::NEG_Z);
+        let right = forward.cross(camera.up).normalize_or(forward.any_orthonormal_vector());
+        let down = forward.cross(right);
+        let pixel = 2.0 * (0.5 * camera.vertical_fov.clamp(1e-6, PI - 1e-6)).tan() / height as f64;
+        let (right, down) = (pixel * right, pixel * down);
+        Self { corner: forward - 0.5 * (width as f64 * right + height as f64 * down), right, down }
+    }
+
+    /// The ray through a point of the picture, in pixels from its upper left corner.
+    fn ray(&self, x: f64, y: f64) -> Ray {
+        let direction = (self.corner + x * self.right + y * self.down).normalize().as_vec3();
+        Ray { origin: Vec3::ZERO, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+}
+
+/// Evenly spread points of a pixel, the same for all pixels so that edges are clean; one is the centre.
+///
+/// Roberts 2018, *The unreasonable effectiveness of quasirandom sequences*: multiples of the powers of the plastic
+/// number.
+fn offsets(n: usize) -> Vec<[f64; 2]> {
+    const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+    (0..n.max(1)).map(|i| STEPS.map(|step| (0.5 + step * i as f64).fract())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Smoother;
+    use crate::test_scenes::{camera, cube, patches_of, sheet};
+
+    fn settings(width: usize, height: usize) -> RenderSettings {
+        RenderSettings { width, height, samples: 4, scale: 1.0, ..RenderSettings::default() }
+    }
+
+    fn shot(patches: &Patches, shading: Shading, eye: DVec3, settings: &RenderSettings) -> Image {
+        render(patches, shading, 1, &camera(eye, 0.5), settings, &Control::default()).unwrap()
+    }
+
+    #[test]
+    fn a_lit_plane_has_its_radiance() {
+        let patches = sheet(4, 4);
+        let settings = RenderSettings { scale: FRAC_1_PI, background: vec![7.0], ..settings(9, 5) };
+        // The line of sight ends at a corner of the sheet, so this image is part background, part sheet.
+        let image = shot(&patches, Shading::Patches(&[PI; 16]), DVec3::new(0.2, 0.3, 0.4), &settings);
+        let is_sheet = |pixel: &[f32]| (pixel[0] - 1.0).abs() < 1e-6;
+        assert!(image.iter().any(is_sheet) && image.iter().any(|pixel| pixel == [7.0]));
+        let away = DVec3::new(0.2, 0.3, 40.0);
+        assert_eq!(shot(&patches, Shading::Patches(&[PI; 16]), away, &settings).at(0, 0), [7.0]);
+    }
+
+    #[test]
+    fn a_smooth_picture_of_a_linear_function_is_that_function() {
+        for n in [1, 3] {
+            let patches = sheet(n, n);
+            let corners: Vec<f64> = patches.polygons.iter().flatten().map(|p| 1.0 + p.x + 2.0 * p.y).collect();
+            let eye = DVec3::new(0.5, 0.5, 1.0);
+            let eye_camera = Camera { forward: DVec3::NEG_Z, up: DVec3::Y, ..camera(eye, 0.8) };
+            let settings = RenderSettings { samples: 1, ..settings(31, 31) };
+            let image =
+                render(&patches, Shading::Smooth(&corners), 1, &eye_camera, &settings, &Control::default()).unwrap();
+            for (x, y) in [(0, 0), (30, 0), (15, 15), (3, 22), (20, 7)] {
+                let at = |i: usize| 2.0 * 0.4f64.tan() * ((i as f64 + 0.5) / 31.0 - 0.5);
+                let expected = 1.0 + (0.5 + at(x)) + 2.0 * (0.5 - at(y));
+                assert!((f64::from(image.at(x, y)[0]) - expected).abs() < 1e-5, "pixel {x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn backs_let_the_view_through_or_are_black() {
+        let patches = cube(2);
+        let values: Vec<f64> = (0..24).map(|i| f64::from(patches.face[i]) + 1.0).collect();
+        let eye = DVec3::new(0.0, 0.0, 3.0);
+        let seen = |patches: &Patches, culls_backs| {
+            shot(patches, Shading::Patches(&values), eye, &RenderSettings { culls_backs, ..settings(3, 3) }).at(1, 1)[0]
+        };
+        assert_eq!(seen(&patches, true), seen(&patches, false));
+        // Inside out, the wall in front is culled and the one behind it seen.
+        let mut inside_out = patches.polygons.clone();
+        inside_out.iter_mut().for_each(|p| p.reverse());
+        let mut room = Patches::new(inside_out, patches.surface.clone(), patches.face.clone(), vec![false; 24]);
+        assert_eq!(seen(&room, false), 0.0);
+        let far = seen(&room, true);
+        assert!(far > 0.0 && far != seen(&patches, true));
+        room.two_sided = vec![true; 24];
+        assert_eq!(seen(&room, true), seen(&patches, true));
+    }
+
+    #[test]
+    fn of_two_faces_back_to_back_the_front_is_seen() {
+        let (x, y) = (DVec3::X, DVec3::Y);
+        let up = [-x - y, x - y, x + y, y - x];
+        let down = [y - x, x + y, x - y, -x - y];
+        for culls_backs in [true, false] {
+            let settings = RenderSettings { culls_backs, ..settings(4, 4) };
+            for (order, expected) in [([up, down], 1.0), ([down, up], 2.0)] {
+                let patches = patches_of(&order);
+                let above = shot(&patches, Shading::Patches(&[1.0, 2.0]), DVec3::new(0.1, 0.2, 3.0), &settings);
+                let below = shot(&patches, Shading::Patches(&[1.0, 2.0]), DVec3::new(0.1, 0.2, -3.0), &settings);
+                assert_eq!((above.at(1, 1)[0], below.at(1, 1)[0]), (expected, 3.0 - expected));
+            }
+        }
+    }
+
+    #[test]
+    fn interpolation_stays_within_the_corners_and_is_the_same_on_any_number_of_threads() {
+        let patches = cube(3);
+        let values: Vec<f64> = (0..2 * patches.len()).map(|i| (i % 7) as f64).collect();
+        let corners = Smoother::new(&patches, 0.5).corner_values(&values, 2);
+        let make = || {
+            let eye = camera(DVec3::new(2.0, 1.5, 1.0), 0.6);
+            render(&patches, Shading::Smooth(&corners), 2, &eye, &settings(40, 30), &Control::default()).unwrap()
+        };
+        let image = make();
+        assert!(image.pixels.iter().all(|&v| (0.0..=6.0).contains(&v)) && image.pixels.iter().any(|&v| v > 0.0));
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        assert_eq!(one.install(make), image);
+    }
+
+    #[test]
+    fn far_from_the_origin_nothing_leaks() {
+        let far = DVec3::new(4e5, -3e5, 1e3);
+        let polygons: Vec<_> = sheet(20, 20).polygons.iter().map(|p| p.map(|v| v + far)).collect();
+        let patches = patches_of(&polygons);
+        let eye = Camera { position: far + DVec3::new(0.5, 0.5, 1.0), ..camera(DVec3::Z, 0.5) };
+        let image =
+            render(&patches, Shading::Patches(&[1.0; 400]), 1, &eye, &settings(64, 64), &Control::default()).unwrap();
+        assert!(image.pixels.iter().all(|&v| v == 1.0));
+    }
+
+    #[test]
+    fn cancelled_and_empty_pictures() {
+        let (patches, control) = (sheet(1, 1), Control::default());
+        control.cancel();
+        let eye = camera(DVec3::Z, 1.0);
+        let cancelled = render(&patches, Shading::Patches(&[1.0]), 1, &eye, &settings(4, 4), &control);
+        assert_eq!(cancelled.unwrap_err(), Cancelled);
+        let empty = shot(&Patches::default(), Shading::Patches(&[]), DVec3::Z, &settings(2, 2));
+        assert_eq!(empty.pixels, [0.0; 4]);
+        assert!(shot(&patches, Shading::Patches(&[1.0]), DVec3::Z, &settings(0, 2)).pixels.is_empty());
+    }
+}

@@ -1,0 +1,190 @@
+"""The extension module, as crates/python defines it; tests/test_native.py holds the two together."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+
+__version__: str
+
+_Floats = npt.NDArray[np.float64]
+_Indices = npt.NDArray[np.uint32]
+_Pixels = npt.NDArray[np.float32]
+_Triple = Sequence[float]
+_Progress = Callable[[int, int], object]
+
+# kind, name, position, direction, inner and outer angle, strength
+LightTuple = tuple[str, str, _Triple, _Triple, float, float, list[float]]
+# name, position, forward, up, vertical angle of view, aspect
+CameraTuple = tuple[str, _Triple, _Triple, _Triple, float, float | None]
+# name, material, reflectance, two-sided
+LitSurfaceTuple = tuple[str, str, list[float], bool]
+# severity, code, element, message
+_FindingTuple = tuple[Any, str, str, str]
+# name, vertices, faces, material, reflectance, emission, two-sided
+_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool]
+_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool]
+
+class SceneError(ValueError):
+    """A scene that cannot be read, meshed or lit."""
+
+class ResourceError(RuntimeError):
+    """The work does not fit the limits given."""
+
+@final
+class Scene:
+    def __new__(
+        cls,
+        name: str,
+        bands: list[str],
+        surfaces: list[_SurfaceIn],
+        lights: list[LightTuple],
+        cameras: list[CameraTuple],
+    ) -> Scene: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def bands(self) -> list[str]: ...
+    def surfaces(self) -> list[_SurfaceOut]: ...
+    def lights(self) -> list[LightTuple]: ...
+    def cameras(self) -> list[CameraTuple]: ...
+    def loading_findings(self) -> list[_FindingTuple]: ...
+    def findings(self) -> list[_FindingTuple]: ...
+    def validate(self) -> None: ...
+    def validate_geometry(self) -> None: ...
+    def patches(self, max_edge: float | None = None, count: int | None = None, as_is: bool = False) -> Patches: ...
+    def grid(self, divisions: list[tuple[int, int]]) -> Patches: ...
+
+@final
+class Patches:
+    def __new__(
+        cls, polygons: _Floats, surface: _Indices, face: _Indices, two_sided: npt.NDArray[np.bool_]
+    ) -> Patches: ...
+    def __len__(self) -> int: ...
+    @property
+    def polygons(self) -> _Floats: ...
+    @property
+    def surface(self) -> _Indices: ...
+    @property
+    def face(self) -> _Indices: ...
+    @property
+    def two_sided(self) -> npt.NDArray[np.bool_]: ...
+    @property
+    def area(self) -> _Floats: ...
+    @property
+    def centre(self) -> _Floats: ...
+    @property
+    def normal(self) -> _Floats: ...
+
+@final
+class Enclosure:
+    def __new__(cls, patches: Patches, threads: int | None = None) -> Enclosure: ...
+    def validate(self) -> None: ...
+    @property
+    def memory_bytes(self) -> int: ...
+
+@final
+class Solution:
+    @property
+    def irradiance(self) -> _Floats: ...
+    @property
+    def radiosity(self) -> _Floats: ...
+    @property
+    def error(self) -> _Floats: ...
+    def backs(self) -> list[_Floats]: ...
+    def report(self) -> dict[str, Any]: ...
+    def relight(
+        self,
+        reflectance: _Floats,
+        emission: _Floats,
+        lamps: list[LightTuple],
+        accuracy: float,
+        method: str,
+        exact_closure: bool,
+        threads: int | None = None,
+        progress: _Progress | None = None,
+    ) -> Solution: ...
+
+@final
+class Factors:
+    def __len__(self) -> int: ...
+    @property
+    def area(self) -> _Floats: ...
+    def exchange(self, x: _Floats) -> _Floats: ...
+    def entries(self, i: int) -> tuple[_Indices, _Floats]: ...
+    def solve(
+        self,
+        reflectance: _Floats,
+        emission: _Floats,
+        lamps: list[LightTuple],
+        accuracy: float,
+        method: str,
+        exact_closure: bool,
+        threads: int | None = None,
+        progress: _Progress | None = None,
+    ) -> Solution: ...
+
+def load(path: str, unit: str | None = None, two_sided: bool | None = None) -> Scene: ...
+def builtin(name: str, numbers: list[float], spectra: list[list[float]]) -> Scene: ...
+def solve(
+    enclosure: Enclosure,
+    reflectance: _Floats,
+    emission: _Floats,
+    lamps: list[LightTuple],
+    accuracy: float,
+    seed: int,
+    max_rays: int,
+    memory_limit: int,
+    method: str,
+    exact_closure: bool,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> Solution: ...
+def form_factors(
+    enclosure: Enclosure,
+    rays: int,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> Factors: ...
+def write_lit(
+    path: str,
+    patches: Patches,
+    surfaces: list[LitSurfaceTuple],
+    bands: list[str],
+    blocks: list[_Floats],
+    cameras: list[CameraTuple],
+    report: str,
+) -> None: ...
+def write_vtp(
+    path: str,
+    patches: Patches,
+    surfaces: list[LitSurfaceTuple],
+    bands: list[str],
+    blocks: list[_Floats],
+    cameras: list[CameraTuple],
+    report: str,
+) -> None: ...
+def read_lit(
+    path: str,
+) -> tuple[Patches, list[LitSurfaceTuple], list[str], list[_Floats], list[CameraTuple], str] | None: ...
+def render(
+    patches: Patches,
+    values: _Floats,
+    camera: CameraTuple,
+    width: int,
+    height: int,
+    samples: int,
+    scale: float,
+    smooth: bool,
+    irradiance: _Floats | None = None,
+    reflectance: list[list[float]] | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> _Pixels: ...
+def write_png(path: str, image: _Pixels, exposure: float | None = None, curve: str = "filmic") -> None: ...
+def write_false_colours(
+    path: str, image: _Pixels, low: float | None = None, high: float | None = None
+) -> tuple[float, float]: ...
+def write_exr(path: str, image: _Pixels, bands: list[str]) -> None: ...

@@ -1,0 +1,73 @@
+"""Arguments and options that several commands share, and how their text is read."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated
+
+import typer
+
+from radiosity.cli.failure import bad_argument
+
+Triple = tuple[float, float, float]
+
+SceneFile = Annotated[
+    str,
+    typer.Argument(metavar="FILE", help="A .glb, .gltf or .obj file, or builtin:NAME (see radiosity scenes)."),
+]
+
+# How the scene is read.
+Unit = Annotated[str | None, typer.Option(help="What the number 1 in the file means: m, cm, mm, in, ft, km or metres.")]
+TwoSided = Annotated[
+    bool | None,
+    typer.Option("--two-sided/--one-sided", help="Which sides reflect, whatever the file says.", show_default=False),
+]
+
+# How it is cut into patches.
+MaxEdge = Annotated[float | None, typer.Option(metavar="METRES", help="Longest edge of a patch.")]
+PatchCount = Annotated[int | None, typer.Option("--patches", min=1, metavar="N", help="About how many patches.")]
+AsIs = Annotated[bool, typer.Option("--as-is", help="One patch per face of the file.")]
+MaxPatches = Annotated[int | None, typer.Option(min=1, metavar="N", help="The most patches allowed.")]
+
+# How it is solved.
+Accuracy = Annotated[float, typer.Option(help="Wanted error of irradiance, RMS over area, relative to the mean.")]
+MaxRays = Annotated[int | None, typer.Option(min=1, max=2**32 - 1, metavar="N", help="Most rays per patch.")]
+Memory = Annotated[str | None, typer.Option(metavar="SIZE", help="Memory to stay within, such as 4GB or 500MiB.")]
+Solver = Annotated[str, typer.Option(help="How the equations are solved: conjugate_gradient or jacobi.")]
+Threads = Annotated[int | None, typer.Option(min=1, metavar="N", help="Threads to use; all cores by default.")]
+Seed = Annotated[int, typer.Option(min=0, help="The same seed gives the same bytes.")]
+
+# What is said.
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+
+_SIZE = re.compile(r"\s*([0-9]*\.?[0-9]+)\s*([kmgt]?)(i?)b?\s*", re.IGNORECASE)
+
+
+def read_size(text: str) -> int:
+    """Bytes from text such as ``4GB`` (powers of 1000) or ``500MiB`` (powers of 1024).
+
+    Raises:
+        Stop: it is no size.
+    """
+    match = _SIZE.fullmatch(text)
+    if match is None:
+        raise bad_argument(f"'{text}' is no size of memory: write a number and a unit, such as 4GB or 500MiB")
+    number, prefix, binary = match.groups()
+    return int(float(number) * (1024 if binary else 1000) ** " kmgt".index(prefix.lower() or " "))
+
+
+def read_triple(text: str, option: str) -> Triple:
+    """Three finite numbers from ``x,y,z``.
+
+    Raises:
+        Stop: it is something else.
+    """
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        x = math.nan
+    if not math.isfinite(x) or not math.isfinite(y + z):
+        raise bad_argument(f"{option} '{text}' is not a point: write three numbers with commas, such as 0,1.5,-2")
+    return x, y, z

@@ -1,0 +1,139 @@
+"""From a solution or a lit model to picture files, for the commands that make pictures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from radiosity.cli import interrupt, output
+from radiosity.cli.failure import bad_argument
+from radiosity.cli.options import read_triple
+from radiosity.cli.progress import Bar
+
+if TYPE_CHECKING:
+    from radiosity import Camera, Solution
+    from radiosity.files import LitModel
+    from radiosity.picture import Image
+
+SUFFIXES = (".png", ".exr")
+Quantity = Literal["radiosity", "irradiance", "emission", "error"]
+Mode = Literal["smooth", "patches"]
+
+
+@dataclass(frozen=True)
+class View:
+    """What to draw, and from where."""
+
+    width: int = 800
+    height: int = 600
+    samples: int = 16
+    show: Quantity = "radiosity"
+    mode: Mode = "smooth"
+    camera: Camera | None = None
+    threads: int | None = None
+
+
+@dataclass(frozen=True)
+class Tone:
+    """How a .png shows values: exposure in stops, or a colour scale."""
+
+    exposure: float | Literal["auto"] = "auto"
+    false_colours: bool = False
+
+
+def render(lit: Solution | LitModel, view: View, *, quiet: bool) -> Image:
+    """(height, width, bands) linear, of a solution or lit model, with a progress bar."""
+    from radiosity import picture
+
+    with Bar("drawing", quiet=quiet) as bar:
+        return picture.render(
+            lit, view.camera, width=view.width, height=view.height, samples=view.samples, show=view.show,
+            mode=view.mode, threads=view.threads, progress=bar,
+        )  # fmt: skip
+
+
+def save(image: Image, bands: list[str], paths: Sequence[Path], tone: Tone) -> tuple[float, float] | None:
+    """Write a picture in every form asked for; returns the values at the ends of the colour scale if there is one."""
+    from radiosity import picture
+
+    scale = None
+    for path in paths:
+        with interrupt.writing(), output.naming_file(path):
+            used = picture.save_image(
+                path, image, exposure=tone.exposure, false_colours=tone.false_colours, bands=bands
+            )
+            scale = used or scale
+    return scale
+
+
+def read_exposure(text: str) -> float | Literal["auto"]:
+    """``auto`` or stops (EV).
+
+    Raises:
+        Stop: it is neither.
+    """
+    if text == "auto":
+        return "auto"
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise bad_argument(f"--exposure '{text}' is neither auto nor a number of stops")
+    return value
+
+
+def choose_camera(
+    cameras: Sequence[Camera],
+    name: str | None,
+    look_from: str | None,
+    look_at: str | None,
+    fov: float | None,
+) -> Camera | None:
+    """The camera that the options describe; None leaves the choice to the renderer.
+
+    Args:
+        cameras: those of the scene.
+        name: name or index of one of them.
+        look_from, look_at: ``x,y,z`` in metres, instead of a name.
+        fov: full vertical angle of view in degrees.
+    """
+    from dataclasses import replace
+
+    if name is not None and (look_from is not None or look_at is not None):
+        raise bad_argument("give --camera, or --look-from with --look-at, not both")
+    if (look_from is None) != (look_at is None):
+        raise bad_argument("--look-from and --look-at go together")
+    if look_from is not None and look_at is not None:
+        camera: Camera | None = _free_camera(look_from, look_at)
+    elif name is not None:
+        camera = _named_camera(cameras, name)
+    else:
+        camera = cameras[0] if cameras else None
+    if fov is None or camera is None:
+        return camera
+    return replace(camera, vertical_fov=math.radians(fov))
+
+
+def _free_camera(look_from: str, look_at: str) -> Camera:
+    from radiosity import Camera
+
+    position, target = read_triple(look_from, "--look-from"), read_triple(look_at, "--look-at")
+    if position == target:
+        raise bad_argument("--look-from and --look-at are the same point")
+    # Straight up or down, "up" would not tell which way the picture is turned.
+    upright = math.hypot(target[0] - position[0], target[2] - position[2]) > 1e-6 * math.dist(target, position)
+    return Camera.look_at(position, target, (0.0, 1.0, 0.0) if upright else (0.0, 0.0, -1.0))
+
+
+def _named_camera(cameras: Sequence[Camera], name: str) -> Camera:
+    named = [camera for camera in cameras if camera.name == name]
+    if named:
+        return named[0]
+    if name.isdecimal() and int(name) < len(cameras):
+        return cameras[int(name)]
+    known = ", ".join(f"{k} '{camera.name}'" for k, camera in enumerate(cameras)) or "none; use --look-from"
+    raise bad_argument(f"there is no camera '{name}'; there are: {known}")

@@ -1,0 +1,97 @@
+"""``radiosity solve``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from radiosity.cli import options, output, source
+from radiosity.cli.progress import Bar
+
+if TYPE_CHECKING:
+    from radiosity import Patches, Solution
+
+SUFFIXES = (".glb", ".npz", ".vtp")
+
+Outputs = Annotated[
+    list[Path] | None,
+    typer.Option("--output", "-o", metavar="FILE", help="Where to save: .glb, .npz or .vtp; may be repeated."),
+]
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How accurate, and with what means."""
+
+    accuracy: float = 0.01
+    max_rays: int | None = None
+    memory: str | None = None
+    solver: str = "conjugate_gradient"
+    threads: int | None = None
+    seed: int = 0
+
+
+def solve(
+    file: options.SceneFile,
+    outputs: Outputs = None,
+    accuracy: options.Accuracy = 0.01,
+    max_edge: options.MaxEdge = None,
+    patches: options.PatchCount = None,
+    as_is: options.AsIs = False,
+    max_patches: options.MaxPatches = None,
+    max_rays: options.MaxRays = None,
+    memory: options.Memory = None,
+    unit: options.Unit = None,
+    two_sided: options.TwoSided = None,
+    solver: options.Solver = "conjugate_gradient",
+    threads: options.Threads = None,
+    seed: options.Seed = 0,
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
+) -> None:
+    """Find the equilibrium of light in a scene and save it."""
+    targets = outputs or []
+    output.check_outputs(targets, SUFFIXES, file)
+    meshing = source.Meshing(max_edge, patches, as_is, max_patches)
+    effort = Effort(accuracy, max_rays, memory, solver, threads, seed)
+    source.use_threads(threads)
+    scene = source.open_scene(file, unit=unit, two_sided=two_sided)
+    solution = solve_patches(file, source.cut(file, scene, meshing), effort, quiet=quiet)
+    output.save(solution, targets)
+    findings = scene.findings()
+    if as_json:
+        found = output.findings_out(findings)
+        output.print_json({"scene": file, "outputs": targets, "report": solution.report.to_dict(), "findings": found})
+    elif not quiet:
+        print(solution.report)
+        for target in targets:
+            print(f"wrote {target}")
+    if not quiet:
+        output.warn_of_findings(file, findings)
+    output.demand_accuracy(file, solution.report)
+
+
+def solve_patches(file: str, patches: Patches, effort: Effort, *, quiet: bool) -> Solution:
+    """Solve with a progress bar.
+
+    Raises:
+        SceneError: the scene cannot be lit. ResourceError: it does not fit the memory.
+    """
+    import radiosity
+
+    memory = None if effort.memory is None else options.read_size(effort.memory)
+    limits: dict[str, Any] = {} if effort.max_rays is None else {"max_rays": effort.max_rays}
+    with source.naming(file, patches.scene.name), Bar("solving", quiet=quiet) as bar:
+        return radiosity.solve(
+            patches,
+            accuracy=effort.accuracy,
+            solver=effort.solver,  # type: ignore[arg-type]  # the engine says which there are
+            memory_limit=memory,
+            threads=effort.threads,
+            seed=effort.seed,
+            progress=bar,
+            **limits,
+        )

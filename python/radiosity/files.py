@@ -1,0 +1,172 @@
+"""Files of a solution: lit models, arrays, ParaView."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from radiosity import _native
+from radiosity.scene import Camera
+
+if TYPE_CHECKING:
+    from radiosity.solution import Solution
+
+Floats = npt.NDArray[np.float64]
+PathLike = str | os.PathLike[str]
+
+SUFFIXES = (".glb", ".npz", ".vtp")
+"""What :func:`save` writes."""
+
+
+@dataclass(frozen=True, eq=False)
+class LitModel:
+    """Patches with the light on them, as a lit ``.glb`` holds it.
+
+    The backs of two-sided patches follow all fronts as patches of their own, on surfaces named "... (back)".
+
+    Attributes:
+        patches: the native patches.
+        surfaces: name, material, reflectance per band and two-sidedness of each.
+        bands: names of the bands.
+        emission, irradiance, radiosity, error: (n, bands) W/m2.
+        cameras: viewpoints.
+        report: the report of the solve as a dictionary.
+    """
+
+    patches: _native.Patches
+    surfaces: list[_native.LitSurfaceTuple]
+    bands: list[str]
+    emission: Floats
+    irradiance: Floats
+    radiosity: Floats
+    error: Floats
+    cameras: list[Camera]
+    report: dict[str, Any]
+
+    @classmethod
+    def of(cls, solution: Solution) -> LitModel:
+        """The lit model of a solution."""
+        patches, scene = solution.patches, solution.patches.scene
+        bands = len(scene.bands)
+        surfaces = [
+            (s.name, s.material, [float(r) for r in np.broadcast_to(np.asarray(s.reflectance, float), (bands,))], False)
+            for s in scene.surfaces
+        ]
+        back = np.flatnonzero(patches.two_sided)
+        if not len(back):
+            native, values = patches._native, (
+                solution.emission, solution.irradiance, solution.radiosity, solution.error
+            )  # fmt: skip
+        else:
+            native, surfaces = _with_backs(solution, back, surfaces)
+            values = (
+                np.concatenate([solution.emission, solution.emission[back]]),
+                np.concatenate([solution.irradiance, solution.back_irradiance[back]]),
+                np.concatenate([solution.radiosity, solution.back_radiosity[back]]),
+                np.concatenate([solution.error, solution.back_error[back]]),
+            )
+        return cls(native, surfaces, list(scene.bands), *values, list(scene.cameras), solution.report.to_dict())
+
+    def _native_fields(self) -> tuple[Any, ...]:
+        blocks = [np.ascontiguousarray(v) for v in (self.emission, self.irradiance, self.radiosity, self.error)]
+        cameras = [c._tuple() for c in self.cameras]
+        return self.patches, self.surfaces, self.bands, blocks, cameras, json.dumps(self.report)
+
+
+def _with_backs(
+    solution: Solution, back: npt.NDArray[np.intp], surfaces: list[_native.LitSurfaceTuple]
+) -> tuple[_native.Patches, list[_native.LitSurfaceTuple]]:
+    """Patches and surfaces with the backs of two-sided ones as patches and surfaces of their own."""
+    p = solution.patches
+    triangle = np.all(p.polygons[back, 2] == p.polygons[back, 3], axis=1)
+    order = np.where(triangle[:, None], [2, 1, 0, 0], [3, 2, 1, 0])
+    reversed_polygons = np.take_along_axis(p.polygons[back], order[:, :, None], axis=1)
+    polygons = np.concatenate([p.polygons, reversed_polygons])
+    surface = np.concatenate([p.surface, p.surface[back] + np.uint32(len(surfaces))])
+    face = np.concatenate([p.face, p.face[back]])
+    native = _native.Patches(polygons, surface, face, np.zeros(len(polygons), dtype=bool))
+    return native, surfaces + [(f"{name} (back)", paint, rho, both) for name, paint, rho, both in surfaces]
+
+
+def load_lit(path: PathLike) -> LitModel | None:
+    """Read a lit model back; None if the file is a glTF without a solution.
+
+    Raises:
+        OSError: the file cannot be read or is damaged.
+    """
+    fields = _native.read_lit(os.fspath(path))
+    if fields is None:
+        return None
+    patches, surfaces, bands, blocks, cameras, report = fields
+    emission, irradiance, radiosity, error = blocks
+    views = [Camera._from_tuple(camera) for camera in cameras]
+    told = json.loads(report) if report else {}
+    return LitModel(patches, surfaces, bands, emission, irradiance, radiosity, error, views, told)
+
+
+def save(solution: Solution, path: PathLike) -> None:
+    """Write a solution as ``.glb``, ``.npz`` or ``.vtp``; the file appears whole or not at all."""
+    suffix = Path(path).suffix.lower()
+    if suffix == ".npz":
+        _save_arrays(solution, Path(path))
+    elif suffix == ".glb":
+        _native.write_lit(os.fspath(path), *LitModel.of(solution)._native_fields())
+    elif suffix == ".vtp":
+        _native.write_vtp(os.fspath(path), *LitModel.of(solution)._native_fields())
+    else:
+        raise ValueError(f"{path}: cannot write '{suffix}' files; use one of {', '.join(SUFFIXES)}")
+
+
+def _save_arrays(solution: Solution, path: Path) -> None:
+    """All arrays of a solution under their names in the API; strings and the report as JSON."""
+    p = solution.patches
+    arrays = {
+        "polygons": p.polygons,
+        "surface": p.surface,
+        "face": p.face,
+        "two_sided": p.two_sided,
+        "area": p.area,
+        "centre": p.centre,
+        "normal": p.normal,
+        "reflectance": solution.reflectance,
+        "emission": solution.emission,
+        "irradiance": solution.irradiance,
+        "radiosity": solution.radiosity,
+        "error": solution.error,
+        "back_irradiance": solution.back_irradiance,
+        "back_radiosity": solution.back_radiosity,
+        "back_error": solution.back_error,
+        "bands": np.array(p.scene.bands),
+        "surface_names": np.array([s.name for s in p.scene.surfaces]),
+        "report": np.array(json.dumps(solution.report.to_dict())),
+    }
+    write_whole(path, lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
+
+
+def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:
+    """Write a file that appears under its name when it is complete and on the disk, or not at all."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent or Path(), prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        Path(temporary).chmod(0o666 & ~_umask())
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _umask() -> int:
+    current = os.umask(0)
+    os.umask(current)
+    return current

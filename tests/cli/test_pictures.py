@@ -1,0 +1,112 @@
+"""Saving solutions, and making pictures of them."""
+
+from __future__ import annotations
+
+import json
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Runner
+from PIL import Image
+
+QUICK = ["builtin:cornell-box", "--patches", 300, "--accuracy", 0.1]
+SMALL = ["--width", 40, "--height", 30, "--samples", 4]
+
+
+def test_solve_saves_every_form_asked_for(run: Runner, tmp_path: Path) -> None:
+    names = ["lit.glb", "lit.npz", "lit.vtp"]
+    done = run("solve", *QUICK, *(part for name in names for part in ("-o", name)), "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["outputs"] == names
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
+    assert (tmp_path / "lit.glb").read_bytes()[:4] == b"glTF"
+    with np.load(tmp_path / "lit.npz") as table:
+        assert table["irradiance"].shape == (json.loads(done.stdout)["report"]["patches"], 3)
+
+
+def test_the_same_seed_gives_the_same_files(run: Runner, tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        run("solve", *QUICK, "-o", f"{name}.glb", "-o", f"{name}.npz", "--threads", len(name) - 1)
+    for suffix in (".glb", ".npz"):
+        assert (tmp_path / f"one{suffix}").read_bytes() == (tmp_path / f"two{suffix}").read_bytes()
+
+
+def test_the_result_is_saved_though_the_accuracy_is_not_reached(run: Runner, tmp_path: Path) -> None:
+    assert run("solve", *QUICK[:3], "--max-rays", 16, "-o", "lit.npz").returncode == 4
+    assert (tmp_path / "lit.npz").exists()
+
+
+@pytest.mark.parametrize("name", ["lit.glb", "lit.npz", "lit.vtp"])
+def test_a_full_disk_leaves_no_file(run: Runner, tmp_path: Path, name: str) -> None:
+    def full() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+
+    done = run("solve", *QUICK, "-o", name, preexec_fn=full)
+    assert done.returncode == 5
+    assert done.stderr.startswith(f"radiosity: {name}: ")
+    assert done.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_source_is_not_overwritten(run: Runner, tmp_path: Path) -> None:
+    run("solve", *QUICK, "-o", "lit.glb")
+    before = (tmp_path / "lit.glb").read_bytes()
+    done = run("solve", "lit.glb", "-o", "lit.glb")
+    assert done.returncode == 2
+    assert "this would overwrite the file it is made from" in done.stderr
+    assert (tmp_path / "lit.glb").read_bytes() == before
+
+
+def picture(path: Path) -> np.ndarray:
+    return np.asarray(Image.open(path).convert("RGB"), dtype=float)
+
+
+def test_a_lit_model_is_drawn_like_the_scene_it_came_from(run: Runner, tmp_path: Path) -> None:
+    run("solve", *QUICK, "-o", "lit.glb")
+    assert run("render", "lit.glb", "-o", "lit.png", *SMALL, "--camera", 0).returncode == 0
+    assert run("render", *QUICK, "-o", "scene.png", *SMALL).returncode == 0
+    lit, scene = picture(tmp_path / "lit.png"), picture(tmp_path / "scene.png")
+    assert lit.shape == scene.shape == (30, 40, 3)
+    assert scene.std() > 10
+    # A lit model holds single precision, so that hardly a pixel may differ by more than a step or two.
+    assert np.mean(np.abs(lit - scene) > 2) < 0.01
+
+
+def test_views_and_quantities_differ(run: Runner, tmp_path: Path) -> None:
+    run("solve", *QUICK, "-o", "lit.glb")
+    variants: list[list[object]] = [
+        [],
+        ["--show", "irradiance"],
+        ["--mode", "patches"],
+        ["--exposure", -8],
+        ["--look-from", "0.1,0.3,0.1", "--look-at", "0.3,0.2,0.5"],
+        ["--fov", 20],
+    ]
+    pictures = []
+    for k, options in enumerate(variants):
+        done = run("render", "lit.glb", "-o", f"{k}.png", *SMALL, *options)
+        assert (done.returncode, done.stderr) == (0, "")
+        pictures.append((tmp_path / f"{k}.png").read_bytes())
+    assert len(set(pictures)) == len(variants)
+
+
+def test_an_unknown_camera(run: Runner, tmp_path: Path) -> None:
+    done = run("render", *QUICK, "-o", "a.png", "--camera", "attic")
+    assert done.returncode == 2
+    assert "there is no camera 'attic'; there are: 0 'camera'" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_radiance_for_other_programs(run: Runner, tmp_path: Path) -> None:
+    assert run("render", *QUICK, "-o", "a.exr", "-o", "a.png", *SMALL).returncode == 0
+    assert (tmp_path / "a.exr").read_bytes()[:4] == b"\x76\x2f\x31\x01"
+
+
+def test_demo(run: Runner, tmp_path: Path) -> None:
+    done = run("demo", "two-plates", "--json")
+    assert done.returncode == 0
+    outputs = json.loads(done.stdout)["outputs"]
+    assert outputs == [f"out/two-plates{suffix}" for suffix in (".glb", ".png", ".npz")]
+    assert all((tmp_path / path).stat().st_size > 0 for path in outputs)
