@@ -3,12 +3,12 @@
 use crate::lighting::Lighting;
 use crate::transport::Transport;
 use radiosity_exchange::operator::ElementExchange;
-use radiosity_exchange::{Elements, Luminaire};
+use radiosity_exchange::{Elements, Luminaire, Shot};
 use radiosity_operator::{Cancelled, Control};
 use radiosity_solvers::{Problem, SolveOptions, SolveReport};
 use rayon::prelude::*;
 
-/// Radiosity and irradiance with all that the error estimate needs. Blocks are sides x bands.
+/// Irradiance with all that the error estimate needs. Blocks are sides x bands.
 pub(crate) struct Answer {
     /// Irradiance of each replicate that came by rays: sides x replicates x bands.
     pub by_rays: Vec<f64>,
@@ -18,6 +18,7 @@ pub(crate) struct Answer {
     pub by_elements: Vec<f64>,
     /// Mean over replicates.
     pub irradiance: Vec<f64>,
+    /// How the solve on sides went.
     pub solver: SolveReport,
 }
 
@@ -37,18 +38,40 @@ pub(crate) struct Task<'a> {
 /// Sides per parallel task.
 const SIDES_PER_TASK: usize = 32;
 
+/// Bounces on elements after the solve on sides: each takes the error of seeing whole sides to the next order.
+const SWEEPS: usize = 2;
+
+/// Values per band of some element, side or luminaire, for `C` bands at a time.
+type Values<const C: usize> = [f64; C];
+
+/// Radiosity of elements beside the means of their sides, both of the exposed part.
+struct Fine<const C: usize> {
+    elements: Vec<Values<C>>,
+    sides: Vec<Values<C>>,
+}
+
 impl Task<'_> {
     pub fn answer(&self) -> Result<Answer, Cancelled> {
         let (radiosity, solver) = self.solve_on_sides()?;
-        self.control.check()?;
         let elements = self.elements();
-        let fine = self.sweep(&elements, &radiosity);
-        self.control.check()?;
-        Ok(self.gather(&elements, &fine, solver))
-    }
-
-    fn bands(&self) -> usize {
-        self.lighting.bands
+        let (sides, bands) = (self.sides(), self.lighting.bands);
+        let width = bands * self.transport.shots().replicates();
+        let mut answer = Answer {
+            by_rays: vec![0.0; sides * width],
+            by_lights: vec![0.0; sides * width],
+            by_elements: vec![0.0; sides * bands],
+            irradiance: vec![0.0; sides * bands],
+            solver,
+        };
+        // Three bands at a time, as most scenes have, then what is left one by one.
+        let threes = bands - bands % 3;
+        for first in (0..threes).step_by(3) {
+            self.finish::<3>(first, &elements, &radiosity, &mut answer)?;
+        }
+        for first in threes..bands {
+            self.finish::<1>(first, &elements, &radiosity, &mut answer)?;
+        }
+        Ok(answer)
     }
 
     fn sides(&self) -> usize {
@@ -56,13 +79,13 @@ impl Task<'_> {
     }
 
     /// A block with each side's patch's values.
-    fn per_side(&self, of_patch: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
-        (0..self.sides()).flat_map(|side| of_patch(self.transport.enclosure().patch_of(side))).collect()
+    fn per_side<'b>(&'b self, of_patch: impl Fn(usize) -> &'b [f64]) -> Vec<f64> {
+        (0..self.sides()).flat_map(|side| of_patch(self.transport.enclosure().patch_of(side))).copied().collect()
     }
 
     fn solve_on_sides(&self) -> Result<(Vec<f64>, SolveReport), Cancelled> {
-        let reflectance = self.per_side(|p| self.lighting.reflectance_of(p).to_vec());
-        let emission = self.per_side(|p| self.lighting.emission_of(p).to_vec());
+        let reflectance = self.per_side(|p| self.lighting.reflectance_of(p));
+        let emission = self.per_side(|p| self.lighting.emission_of(p));
         let incident = self.incident();
         let problem = Problem {
             exchange: &self.exchange.operator,
@@ -70,36 +93,37 @@ impl Task<'_> {
             reflectance: &reflectance,
             emission: &emission,
             incident: &incident,
-            bands: self.bands(),
+            bands: self.lighting.bands,
         };
         (self.solver)(&problem, &self.options, self.control)
     }
 
-    /// Irradiance of the exposed part of each side from lights without area.
+    /// Irradiance of the exposed part of each side from lights without area, sides x bands.
     fn incident(&self) -> Vec<f64> {
-        let bands = self.bands();
+        let bands = self.lighting.bands;
         let mut incident = vec![0.0; self.sides() * bands];
         if self.lighting.lamps.is_empty() {
             return incident;
         }
         incident.par_chunks_mut(bands).enumerate().with_min_len(SIDES_PER_TASK).for_each(|(side, out)| {
-            for sample in self.transport.lights().of(side) {
+            for sample in self.transport.lights().of(side).flatten() {
                 if let Some(lamp) = self.lamp(sample.luminaire) {
-                    add(out, f64::from(sample.weight), lamp);
+                    out.iter_mut().zip(lamp).for_each(|(o, l)| *o += f64::from(sample.weight) * l);
                 }
             }
-            let count = self.light_samples(side) * self.transport.lights().replicates() as f64;
-            scale(out, ratio(1.0, count * self.exposure(side)));
+            let exposure = ratio(self.exchange.exposed_area[side], self.transport.enclosure().area(side));
+            let scale = ratio(1.0, self.light_samples(side) * exposure);
+            out.iter_mut().for_each(|o| *o *= scale);
         });
         incident
     }
 
     /// Power that lights without area put on surfaces, per band, W.
     pub fn incident_power(&self) -> Vec<f64> {
-        let bands = self.bands();
+        let bands = self.lighting.bands;
         let mut power = vec![0.0; bands];
         for (side, incident) in self.incident().chunks_exact(bands).enumerate() {
-            add(&mut power, self.exchange.exposed_area[side], incident);
+            power.iter_mut().zip(incident).for_each(|(p, i)| *p += self.exchange.exposed_area[side] * i);
         }
         power
     }
@@ -110,14 +134,9 @@ impl Task<'_> {
         (luminaire as usize).checked_sub(emitters).map(|k| self.lighting.lamps[k].strength.as_slice())
     }
 
-    /// The share of a side that is not buried.
-    fn exposure(&self, side: usize) -> f64 {
-        ratio(self.exchange.exposed_area[side], self.transport.enclosure().area(side))
-    }
-
-    /// Light samples per replicate.
+    /// Light samples of a side, all replicates together.
     fn light_samples(&self, side: usize) -> f64 {
-        f64::from(self.transport.lights().per_replicate(side))
+        f64::from(self.transport.lights().per_replicate(side)) * self.transport.lights().replicates() as f64
     }
 
     /// As many elements as the rays of a side can resolve; a lamp stays whole.
@@ -133,144 +152,211 @@ impl Task<'_> {
         Elements::new((0..self.sides()).map(level).collect())
     }
 
-    /// Radiosity of elements after one more bounce through their own rays, beside that of whole sides:
-    /// elements x bands, then sides x bands, both of the exposed part.
-    fn sweep(&self, elements: &Elements, radiosity: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let bands = self.bands();
-        let per_side: Vec<Vec<f64>> = (0..self.sides())
+    /// Takes `C` bands from the solution on sides to the answer.
+    fn finish<const C: usize>(
+        &self,
+        first: usize,
+        elements: &Elements,
+        radiosity: &[f64],
+        answer: &mut Answer,
+    ) -> Result<(), Cancelled> {
+        let bands = self.lighting.bands;
+        let of = |block: &[f64], row: usize| -> Values<C> { std::array::from_fn(|c| block[row * bands + first + c]) };
+        let sides: Vec<Values<C>> = (0..self.sides()).map(|side| of(radiosity, side)).collect();
+        let strengths: Vec<Values<C>> =
+            self.lighting.lamps.iter().map(|l| std::array::from_fn(|c| l.strength[first + c])).collect();
+        let flat = (0..self.sides()).flat_map(|side| elements.of(side).map(move |_| side));
+        let mut fine = Fine { elements: flat.map(|side| sides[side]).collect(), sides };
+        for _ in 0..SWEEPS {
+            self.control.check()?;
+            fine = self.sweep(first, elements, &strengths, &fine);
+        }
+        self.control.check()?;
+        let replicates = self.transport.shots().replicates();
+        let gathered: Vec<Gathered<C>> = (0..self.sides())
             .into_par_iter()
             .with_min_len(SIDES_PER_TASK)
-            .map(|side| self.sweep_side(elements, radiosity, side))
+            .map(|side| self.gather(elements, &strengths, &fine, side))
             .collect();
-        let means = per_side.iter().flat_map(|fine| fine[fine.len() - bands..].to_vec()).collect();
-        let fine = per_side.iter().flat_map(|fine| fine[..fine.len() - bands].to_vec()).collect();
-        (fine, means)
+        for (side, g) in gathered.iter().enumerate() {
+            for c in 0..C {
+                let k = side * bands + first + c;
+                answer.by_elements[k] = g.by_elements[c];
+                for r in 0..replicates {
+                    answer.by_rays[(side * replicates + r) * bands + first + c] = g.by_rays[r][c];
+                    answer.by_lights[(side * replicates + r) * bands + first + c] = g.by_lights[r][c];
+                    answer.irradiance[k] += (g.by_rays[r][c] + g.by_lights[r][c]) / replicates as f64;
+                }
+            }
+        }
+        Ok(())
     }
 
-    /// The elements of one side, then their mean.
-    fn sweep_side(&self, elements: &Elements, radiosity: &[f64], side: usize) -> Vec<f64> {
-        let bands = self.bands();
-        let (first, count) = (elements.of(side).start, elements.of(side).len());
-        let patch = self.transport.enclosure().patch_of(side);
-        let (emission, reflectance) = (self.lighting.emission_of(patch), self.lighting.reflectance_of(patch));
-        let mut by_rays = vec![0.0; count * bands];
-        let mut by_lights = vec![0.0; count * bands];
-        let (mut rays, mut lights) = (vec![0u32; count], vec![0u32; count]);
-        for shot in self.transport.shots().of(side) {
-            let e = elements.at(side, shot.origin_cell) - first;
-            rays[e] += u32::from(shot.target != radiosity_exchange::Shot::BURIED);
-            if shot.landed() && !self.transport.is_lamp(shot.target as usize) {
-                let source = &radiosity[shot.target as usize * bands..][..bands];
-                add(&mut by_rays[e * bands..][..bands], 1.0, source);
+    /// One more bounce, from elements to elements, through each side's own samples.
+    fn sweep<const C: usize>(
+        &self,
+        first: usize,
+        elements: &Elements,
+        strengths: &[Values<C>],
+        fine: &Fine<C>,
+    ) -> Fine<C> {
+        let per_side: Vec<(Vec<Values<C>>, Values<C>)> = (0..self.sides())
+            .into_par_iter()
+            .with_min_len(SIDES_PER_TASK)
+            .map(|side| self.sweep_side(first, elements, strengths, fine, side))
+            .collect();
+        Fine {
+            sides: per_side.iter().map(|(_, mean)| *mean).collect(),
+            elements: per_side.into_iter().flat_map(|(fine, _)| fine).collect(),
+        }
+    }
+
+    fn sweep_side<const C: usize>(
+        &self,
+        first: usize,
+        elements: &Elements,
+        strengths: &[Values<C>],
+        fine: &Fine<C>,
+        side: usize,
+    ) -> (Vec<Values<C>>, Values<C>) {
+        let (start, count) = (elements.of(side).start, elements.of(side).len());
+        let mut seen = vec![Seen::<C>::default(); count];
+        for shot in self.transport.shots().of(side).flatten() {
+            let element = &mut seen[elements.at(side, shot.origin_cell) - start];
+            element.shots += 1;
+            element.buried += u32::from(shot.target == Shot::BURIED);
+            if let Some(e) = self.seen_by_ray(elements, shot) {
+                add(&mut element.by_rays, 1.0, &fine.elements[e]);
             }
         }
-        for sample in self.transport.lights().of(side) {
-            let e = elements.at(side, sample.origin_cell) - first;
-            lights[e] += 1;
+        for sample in self.transport.lights().of(side).flatten() {
+            let element = &mut seen[elements.at(side, sample.origin_cell) - start];
+            element.lights += 1;
             if sample.weight > 0.0 {
-                add(
-                    &mut by_lights[e * bands..][..bands],
-                    f64::from(sample.weight),
-                    self.source(sample.luminaire, radiosity),
-                );
+                let source = self.source(sample.luminaire, strengths, fine);
+                add(&mut element.by_lights, f64::from(sample.weight), source);
             }
         }
-        let shots = self.transport.shots().per_replicate(side) as usize * self.transport.shots().replicates();
-        let mut values = vec![0.0; (count + 1) * bands];
-        let (elements_out, mean) = values.split_at_mut(count * bands);
-        let total = f64::from(rays.iter().sum::<u32>());
-        for e in 0..count {
-            let open = f64::from(rays[e]);
-            let exposure = (open * count as f64 / shots.max(1) as f64).min(1.0);
-            for b in 0..bands {
-                let k = e * bands + b;
-                let irradiance = ratio(by_rays[k], open) + ratio(by_lights[k], f64::from(lights[e]) * exposure);
-                elements_out[k] = emission[b] + reflectance[b] * irradiance;
-                mean[b] += elements_out[k] * ratio(open, total);
-            }
-        }
-        if total == 0.0 {
-            mean.copy_from_slice(emission);
-        }
-        values
+        let patch = self.transport.enclosure().patch_of(side);
+        let of = |block: &[f64]| -> Values<C> { std::array::from_fn(|c| block[first + c]) };
+        let emission = of(self.lighting.emission_of(patch));
+        let reflectance = of(self.lighting.reflectance_of(patch));
+        let values: Vec<Values<C>> = seen.iter().map(|s| s.radiosity(&emission, &reflectance)).collect();
+        let mean = mean_over_exposed(&seen, &values).unwrap_or(emission);
+        (values, mean)
+    }
+
+    /// The element a ray sees, unless that is measured by area or there is none.
+    #[inline]
+    fn seen_by_ray(&self, elements: &Elements, shot: &Shot) -> Option<usize> {
+        let target = shot.target as usize;
+        (shot.landed() && !self.transport.is_lamp(target)).then(|| elements.at(target, shot.target_cell))
     }
 
     /// What a luminaire sends per unit of its samples' weight.
-    fn source<'b>(&'b self, luminaire: u32, radiosity: &'b [f64]) -> &'b [f64] {
+    fn source<'b, const C: usize>(
+        &self,
+        luminaire: u32,
+        strengths: &'b [Values<C>],
+        fine: &'b Fine<C>,
+    ) -> &'b Values<C> {
         match self.transport.luminaires()[luminaire as usize] {
-            Luminaire::Side(side) => &radiosity[side as usize * self.bands()..][..self.bands()],
-            _ => self.lamp(luminaire).expect("luminaires without area stand after the emitters"),
+            Luminaire::Side(side) => &fine.sides[side as usize],
+            // Lights without area stand after the emitters.
+            _ => &strengths[luminaire as usize + strengths.len() - self.transport.luminaires().len()],
         }
     }
 
-    fn gather(&self, elements: &Elements, (fine, means): &(Vec<f64>, Vec<f64>), solver: SolveReport) -> Answer {
-        let (bands, replicates) = (self.bands(), self.transport.shots().replicates());
-        let width = replicates * bands;
-        let mut by_rays = vec![0.0; self.sides() * width];
-        let mut by_lights = vec![0.0; self.sides() * width];
-        let mut by_elements = vec![0.0; self.sides() * bands];
-        let mut irradiance = vec![0.0; self.sides() * bands];
-        by_rays
-            .par_chunks_mut(width)
-            .zip(by_lights.par_chunks_mut(width))
-            .zip(by_elements.par_chunks_mut(bands))
-            .zip(irradiance.par_chunks_mut(bands))
-            .enumerate()
-            .with_min_len(SIDES_PER_TASK)
-            .for_each(|(side, (((rays, lights), by_elements), irradiance))| {
-                for k in 0..replicates {
-                    self.gather_rays(elements, fine, means, side, k, &mut rays[k * bands..][..bands], by_elements);
-                    self.gather_lights(means, side, k, &mut lights[k * bands..][..bands]);
-                    add(irradiance, 1.0 / replicates as f64, &rays[k * bands..][..bands]);
-                    add(irradiance, 1.0 / replicates as f64, &lights[k * bands..][..bands]);
-                }
-                scale(by_elements, 1.0 / replicates as f64);
-            });
-        Answer { by_rays, by_lights, by_elements, irradiance, solver }
-    }
-
-    /// The irradiance one replicate's rays bring, and (added up) how much of it is due to elements.
-    fn gather_rays(
+    fn gather<const C: usize>(
         &self,
         elements: &Elements,
-        fine: &[f64],
-        means: &[f64],
+        strengths: &[Values<C>],
+        fine: &Fine<C>,
         side: usize,
-        replicate: usize,
-        out: &mut [f64],
-        by_elements: &mut [f64],
-    ) {
-        let bands = self.bands();
-        let weight = ratio(1.0, f64::from(self.transport.shots().per_replicate(side)));
-        for shot in self.transport.shots().replicate(side, replicate) {
-            let target = shot.target as usize;
-            if shot.landed() && !self.transport.is_lamp(target) {
-                let values = &fine[elements.at(target, shot.target_cell) * bands..][..bands];
-                let mean = &means[target * bands..][..bands];
-                for b in 0..bands {
-                    out[b] += weight * values[b];
-                    by_elements[b] += weight * (values[b] - mean[b]);
+    ) -> Gathered<C> {
+        let replicates = self.transport.shots().replicates();
+        let per_ray = ratio(1.0, f64::from(self.transport.shots().per_replicate(side)));
+        let per_light = ratio(1.0, f64::from(self.transport.lights().per_replicate(side)));
+        let mut g = Gathered {
+            by_rays: vec![[0.0; C]; replicates],
+            by_lights: vec![[0.0; C]; replicates],
+            by_elements: [0.0; C],
+        };
+        for r in 0..replicates {
+            let (mut rays, mut lights) = ([0.0; C], [0.0; C]);
+            for shot in self.transport.shots().replicate(side, r).flatten() {
+                if let Some(e) = self.seen_by_ray(elements, shot) {
+                    let (value, mean) = (&fine.elements[e], &fine.sides[shot.target as usize]);
+                    for c in 0..C {
+                        rays[c] += value[c];
+                        g.by_elements[c] += value[c] - mean[c];
+                    }
                 }
             }
+            for sample in self.transport.lights().replicate(side, r).flatten().filter(|s| s.weight > 0.0) {
+                add(&mut lights, f64::from(sample.weight), self.source(sample.luminaire, strengths, fine));
+            }
+            g.by_rays[r] = rays.map(|v| v * per_ray);
+            g.by_lights[r] = lights.map(|v| v * per_light);
         }
-    }
-
-    fn gather_lights(&self, means: &[f64], side: usize, replicate: usize, out: &mut [f64]) {
-        let weight = ratio(1.0, self.light_samples(side));
-        for sample in self.transport.lights().replicate(side, replicate).filter(|s| s.weight > 0.0) {
-            add(out, weight * f64::from(sample.weight), self.source(sample.luminaire, means));
-        }
+        g.by_elements = g.by_elements.map(|v| v * per_ray / replicates as f64);
+        g
     }
 }
 
-fn add(out: &mut [f64], weight: f64, values: &[f64]) {
-    for (o, v) in out.iter_mut().zip(values) {
-        *o += weight * v;
+/// What the samples of one element add up to.
+#[derive(Clone, Copy)]
+struct Seen<const C: usize> {
+    by_rays: Values<C>,
+    by_lights: Values<C>,
+    shots: u32,
+    buried: u32,
+    lights: u32,
+}
+
+impl<const C: usize> Default for Seen<C> {
+    fn default() -> Self {
+        Self { by_rays: [0.0; C], by_lights: [0.0; C], shots: 0, buried: 0, lights: 0 }
     }
 }
 
-fn scale(out: &mut [f64], factor: f64) {
-    out.iter_mut().for_each(|v| *v *= factor);
+impl<const C: usize> Seen<C> {
+    /// Rays from the part that is not buried.
+    fn open(&self) -> f64 {
+        f64::from(self.shots - self.buried)
+    }
+
+    /// Radiosity of the exposed part: `B = E + rho H`.
+    fn radiosity(&self, emission: &Values<C>, reflectance: &Values<C>) -> Values<C> {
+        let exposure = ratio(self.open(), f64::from(self.shots));
+        let (per_ray, per_light) = (ratio(1.0, self.open()), ratio(1.0, f64::from(self.lights) * exposure));
+        std::array::from_fn(|c| {
+            emission[c] + reflectance[c] * (self.by_rays[c] * per_ray + self.by_lights[c] * per_light)
+        })
+    }
+}
+
+/// What a side gathers, per replicate.
+struct Gathered<const C: usize> {
+    by_rays: Vec<Values<C>>,
+    by_lights: Vec<Values<C>>,
+    by_elements: Values<C>,
+}
+
+fn mean_over_exposed<const C: usize>(seen: &[Seen<C>], values: &[Values<C>]) -> Option<Values<C>> {
+    let total: f64 = seen.iter().map(Seen::open).sum();
+    let mut mean = [0.0; C];
+    for (s, v) in seen.iter().zip(values) {
+        add(&mut mean, ratio(s.open(), total), v);
+    }
+    (total > 0.0).then_some(mean)
+}
+
+#[inline]
+fn add<const C: usize>(out: &mut Values<C>, weight: f64, values: &Values<C>) {
+    for c in 0..C {
+        out[c] += weight * values[c];
+    }
 }
 
 /// Nothing out of nothing is nothing.

@@ -111,9 +111,9 @@ pub(crate) const THINNING: u32 = 4;
 /// A round multiplies the samples of a side by at most this.
 const GROWTH: u32 = 32;
 
-/// Bytes per sample while an operator is built: the sample, its pair, its two entries.
-const BYTES_PER_RAY: u64 = 8 + 12 + 16;
-const BYTES_PER_LIGHT_SAMPLE: u64 = 12 + 12 + 16;
+/// Bytes per sample while an operator is built: the sample, and of the thinned ones the pair and its two entries.
+const BYTES_PER_RAY: u64 = 8 + (12 + 16) / THINNING as u64;
+const BYTES_PER_LIGHT_SAMPLE: u64 = 12 + (12 + 16) / THINNING as u64;
 
 /// Solves to the accuracy asked for, or as near as the limits allow; the report says which.
 pub fn solve(
@@ -373,7 +373,7 @@ struct Fates {
 
 fn fates(transport: &Transport, side: usize) -> Fates {
     let (mut total, mut escaped, mut back, mut buried) = (0u32, 0u32, 0u32, 0u32);
-    for shot in transport.shots().of(side) {
+    for shot in transport.shots().of(side).flatten() {
         total += 1;
         escaped += u32::from(shot.target == Shot::ESCAPED);
         back += u32::from(shot.target == Shot::BACK);

@@ -6,8 +6,8 @@ use radiosity_exchange::{Elements, Enclosure, LightSample, Luminaire, Samples, S
 use radiosity_operator::{Cancelled, Control};
 use std::sync::Arc;
 
-/// Rays per replicate that an operator keeps however it is thinned.
-const FEWEST_OPERATOR_RAYS: u32 = 16;
+/// Samples per replicate that an operator keeps however it is thinned.
+const FEWEST_OPERATOR_SAMPLES: u32 = 16;
 
 /// Geometry with the samples taken of its exchange.
 pub struct Transport {
@@ -46,16 +46,19 @@ impl Transport {
         self.luminaires.sample(&self.enclosure, &mut self.lights, lights, self.seed, control)
     }
 
-    /// The operator on elements from `1/thinning` of the rays (but not fewer than [`FEWEST_OPERATOR_RAYS`] per
+    /// The operator on elements from `1/thinning` of the samples (but not fewer than [`FEWEST_OPERATOR_SAMPLES`] per
     /// replicate), balanced if told how well and how long to try.
     pub fn on(&self, elements: &Elements, thinning: u32, balance: Option<(f64, usize)>) -> ElementExchange {
-        let rays = |side| (self.shots.per_replicate(side) / thinning).max(FEWEST_OPERATOR_RAYS) as usize;
+        let thinned = |drawn: u32| (drawn / thinning).max(FEWEST_OPERATOR_SAMPLES) as usize;
+        let most_shots = |side| thinned(self.shots.per_replicate(side));
+        let most_lights = |side| thinned(self.lights.per_replicate(side));
         let measured = Measured {
             enclosure: &self.enclosure,
             shots: &self.shots,
             luminaires: &self.luminaires.list,
             lights: &self.lights,
-            rays: &rays,
+            most_shots: &most_shots,
+            most_lights: &most_lights,
         };
         measured.on(elements, balance)
     }

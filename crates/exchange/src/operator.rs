@@ -18,8 +18,10 @@ pub struct Measured<'a> {
     pub luminaires: &'a [Luminaire],
     /// Columns of the luminaires by area sampling.
     pub lights: &'a Samples<LightSample>,
-    /// At most this many rays per replicate of each side enter the operator.
-    pub rays: &'a (dyn Fn(usize) -> usize + Sync),
+    /// At most this many rays per replicate of a side enter the operator.
+    pub most_shots: &'a (dyn Fn(usize) -> usize + Sync),
+    /// At most this many light samples per replicate of a side enter the operator.
+    pub most_lights: &'a (dyn Fn(usize) -> usize + Sync),
 }
 
 /// What the rays of an element say about it as a whole.
@@ -79,9 +81,13 @@ impl Measured<'_> {
     }
 
     /// The rays of a side that enter the operator.
-    fn rays_of(&self, side: usize) -> impl Iterator<Item = &Shot> {
-        let most = (self.rays)(side);
-        (0..self.shots.replicates()).flat_map(move |k| self.shots.replicate(side, k).take(most))
+    fn shots_of(&self, side: usize) -> impl Iterator<Item = &Shot> {
+        self.shots.first(side, (self.most_shots)(side))
+    }
+
+    /// The light samples of a side that enter the operator.
+    fn lights_of(&self, side: usize) -> impl Iterator<Item = &LightSample> {
+        self.lights.first(side, (self.most_lights)(side))
     }
 
     /// Marks the sides that are luminaires: pairs with them are measured by area, not by rays.
@@ -102,13 +108,13 @@ impl Measured<'_> {
             .map(|side| {
                 let first = elements.of(side).start;
                 let mut census = vec![Census::default(); elements.of(side).len()];
-                for shot in self.rays_of(side) {
+                for shot in self.shots_of(side) {
                     let c = &mut census[elements.at(side, shot.origin_cell) - first];
                     c.shots += 1;
                     c.landed += u32::from(shot.landed());
                     c.buried += u32::from(shot.target == Shot::BURIED);
                 }
-                for sample in self.lights.of(side) {
+                for sample in self.lights_of(side) {
                     census[elements.at(side, sample.origin_cell) - first].lights += 1;
                 }
                 census
@@ -146,14 +152,14 @@ impl Measured<'_> {
     ) -> Vec<(u32, u32, f32)> {
         let mut pairs = Vec::new();
         if !lamps[side] {
-            for shot in self.rays_of(side).filter(|s| s.landed() && !lamps[s.target as usize]) {
+            for shot in self.shots_of(side).filter(|s| s.landed() && !lamps[s.target as usize]) {
                 let i = elements.at(side, shot.origin_cell);
                 let j = elements.at(shot.target as usize, shot.target_cell);
                 pairs.push((i as u32, j as u32, shot_value(density, i, j)));
             }
         }
         let area = self.enclosure.area(side) / elements.of(side).len() as f64;
-        for sample in self.lights.of(side).filter(|s| s.weight > 0.0) {
+        for sample in self.lights_of(side).filter(|s| s.weight > 0.0) {
             if let Luminaire::Side(lamp) = self.luminaires[sample.luminaire as usize] {
                 let i = elements.at(side, sample.origin_cell);
                 let j = elements.of(lamp as usize).start;

@@ -82,18 +82,23 @@ impl<T: Copy + Default + Send + Sync> Samples<T> {
         Ok(())
     }
 
-    /// The samples of one replicate of a side.
-    pub fn replicate(&self, side: usize, replicate: usize) -> impl Iterator<Item = &T> {
-        self.rounds.iter().flat_map(move |round| {
+    /// The samples of one replicate of a side, a slice per round.
+    pub fn replicate(&self, side: usize, replicate: usize) -> impl Iterator<Item = &[T]> {
+        self.rounds.iter().map(move |round| {
             let all = &round.items[round.offsets[side]..round.offsets[side + 1]];
             let each = all.len() / self.replicates;
             &all[replicate * each..(replicate + 1) * each]
         })
     }
 
-    /// All samples of a side.
-    pub fn of(&self, side: usize) -> impl Iterator<Item = &T> {
-        self.rounds.iter().flat_map(move |round| &round.items[round.offsets[side]..round.offsets[side + 1]])
+    /// All samples of a side, a slice per round.
+    pub fn of(&self, side: usize) -> impl Iterator<Item = &[T]> {
+        self.rounds.iter().map(move |round| &round.items[round.offsets[side]..round.offsets[side + 1]])
+    }
+
+    /// The first `most` samples of every replicate of a side.
+    pub fn first(&self, side: usize, most: usize) -> impl Iterator<Item = &T> {
+        (0..self.replicates).flat_map(move |k| self.replicate(side, k).flatten().take(most))
     }
 }
 
