@@ -1,4 +1,4 @@
-"""Scenes whose answers are known, and a way to run the command line."""
+"""A solution that many tests look at, and ways to run the command line."""
 
 from __future__ import annotations
 
@@ -8,52 +8,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
+from known import Call, Runner
 
 import radiosity
-
-Runner = Callable[..., subprocess.CompletedProcess[str]]
-
-CUBE = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
-"""(8, 3) corners of the unit cube."""
-
-INWARD = {
-    "floor": [0, 1, 3, 2],
-    "ceiling": [4, 6, 7, 5],
-    "front": [0, 4, 5, 1],
-    "back": [2, 3, 7, 6],
-    "left": [0, 2, 6, 4],
-    "right": [1, 5, 7, 3],
-}
-"""Faces of the cube by name, counter-clockwise seen from inside. Opposite faces are neighbours in this list."""
-
-OPPOSITE, ADJACENT = 0.19982490, 0.20004378
-"""Form factors between unit squares (Howell, catalogue of configuration factors, C-11 and C-14); 1 = 1 O + 4 A."""
-
-
-def square(size: float = 1.0, z: float = 0.0) -> list[list[float]]:
-    """(4, 3) corners of a square about the z axis that faces up."""
-    h = size / 2
-    return [[-h, -h, z], [h, -h, z], [h, h, z], [-h, h, z]]
-
-
-def cube(reflectance: object = 0.5, emission: dict[str, object] | float = 1.0) -> radiosity.Scene:
-    """The unit cube seen from inside, a surface for each face; emission of all or by name."""
-    lit = emission if isinstance(emission, dict) else dict.fromkeys(INWARD, emission)
-    surfaces = [
-        radiosity.Surface(CUBE[corners], [[0, 1, 2, 3]], reflectance, lit.get(name, 0.0), name)
-        for name, corners in INWARD.items()
-    ]
-    return radiosity.Scene(surfaces, name="cube")
-
-
-def cube_factors() -> np.ndarray:
-    """(6, 6) exact form factors of :func:`cube`, one patch per face."""
-    exact = np.full((6, 6), ADJACENT)
-    for k in range(0, 6, 2):
-        exact[k : k + 2, k : k + 2] = [[0, OPPOSITE], [OPPOSITE, 0]]
-    return exact
+from radiosity.cli.app import app
 
 
 @pytest.fixture(scope="session")
@@ -71,6 +30,19 @@ def run(tmp_path: Path) -> Runner:
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False, **options)
 
     return run
+
+
+@pytest.fixture
+def call(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Call:
+    """Run a command within this process, for what needs no process of its own; returns its stdout."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RAYON_NUM_THREADS", "2")  # which commands set for good
+
+    def call(*arguments: object) -> str:
+        assert not app(args=list(map(str, arguments)), standalone_mode=False)
+        return capsys.readouterr().out
+
+    return call
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import cube, cube_factors
+from known import cube, cube_factors
 from scipy.sparse.linalg import LinearOperator
 
 from radiosity import FormFactors, Patches, Scene, Surface, form_factors, scenes

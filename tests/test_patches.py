@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import cube, square
+from known import cube, square
 
 from radiosity import Scene, SceneError, Surface
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CUBE, INWARD, cube, square
+from known import CUBE, INWARD, cube, square
 
 from radiosity import (
     Camera,

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import cube, cube_factors, square
+from known import cube, cube_factors, square
 
 import radiosity
 from radiosity import Patches, Scene, SceneError, Solution, Surface, form_factors, scenes, solve

@@ -73,7 +73,9 @@ class LitModel:
                 np.concatenate([solution.radiosity, solution.back_radiosity[back]]),
                 np.concatenate([solution.error, solution.back_error[back]]),
             )
-        return cls(native, surfaces, list(scene.bands), *values, list(scene.cameras), solution.report.to_dict())
+        return cls(
+            native, surfaces, list(scene.bands), *values, list(scene.cameras), solution.report.to_dict(timed=False)
+        )
 
     def _native_fields(self) -> tuple[Any, ...]:
         blocks = [np.ascontiguousarray(v) for v in (self.emission, self.irradiance, self.radiosity, self.error)]
@@ -146,7 +148,7 @@ def _save_arrays(solution: Solution, path: Path) -> None:
         "back_error": solution.back_error,
         "bands": np.array(p.scene.bands),
         "surface_names": np.array([s.name for s in p.scene.surfaces]),
-        "report": np.array(json.dumps(solution.report.to_dict())),
+        "report": np.array(json.dumps(solution.report.to_dict(timed=False))),
     }
     write_whole(path, lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
 

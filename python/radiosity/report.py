@@ -60,9 +60,10 @@ class Report:
         """Whether the estimated error is within the accuracy asked for."""
         return self.limited_by == "accuracy"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, strings and lists, ready for JSON."""
-        return asdict(self) | {"reached": self.reached}
+    def to_dict(self, *, timed: bool = True) -> dict[str, Any]:
+        """Plain numbers, strings and lists, ready for JSON; not ``timed``, the same for the same seed."""
+        items = asdict(self) | {"reached": self.reached}
+        return {name: value for name, value in items.items() if timed or not name.endswith("seconds")}
 
     def rows(self) -> list[tuple[str, str]]:
         """Label and text of each line of the table."""

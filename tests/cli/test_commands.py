@@ -3,34 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.sparse
-from conftest import Runner
+from known import Call, Runner
 
 import radiosity
-from radiosity.cli.app import app
 from radiosity.cli.failure import Stop
 from radiosity.cli.options import read_size, read_triple
 from radiosity.cli.source import Meshing, cut, make_builtin
-
-Call = Callable[..., str]
-
-
-@pytest.fixture
-def call(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Call:
-    """Run a command within this process, for what needs no process of its own; returns its stdout."""
-    monkeypatch.setenv("RAYON_NUM_THREADS", "2")
-
-    def call(*arguments: object) -> str:
-        assert not app(args=list(map(str, arguments)), standalone_mode=False)
-        return capsys.readouterr().out
-
-    return call
 
 
 def test_help_and_version(run: Runner, call: Call) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import Runner
+from known import Runner
 
 QUICK = ["builtin:cornell-box", "--patches", 300, "--accuracy", 0.1]
 ENDLESS = ["builtin:cornell-box", "--patches", 5000, "--accuracy", 1e-6]

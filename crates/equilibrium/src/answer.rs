@@ -139,15 +139,22 @@ impl Task<'_> {
         f64::from(self.transport.lights().per_replicate(side)) * self.transport.lights().replicates() as f64
     }
 
-    /// As many elements as the rays of a side can resolve; a lamp stays whole.
+    /// As many elements as the samples of a side can resolve; a lamp stays whole.
     fn elements(&self) -> Elements {
-        let replicates = self.transport.shots().replicates() as u32;
-        let level = |side| match self.transport.shots().per_replicate(side) * replicates {
-            _ if self.transport.is_lamp(side) => 0,
-            0..64 => 0,
-            64..256 => 1,
-            256..4096 => 2,
-            _ => 3,
+        let (shots, lights) = (self.transport.shots(), self.transport.lights());
+        let replicates = shots.replicates() as u32;
+        let has_luminaires = !self.transport.luminaires().is_empty();
+        let level = |side| {
+            let rays = shots.per_replicate(side) * replicates;
+            // Direct light is smooth but for shadows: a quarter of the samples resolves it as well.
+            let tests = if has_luminaires { 4 * lights.per_replicate(side) * replicates } else { u32::MAX };
+            match rays.min(tests) {
+                _ if self.transport.is_lamp(side) => 0,
+                0..64 => 0,
+                64..256 => 1,
+                256..4096 => 2,
+                _ => 3,
+            }
         };
         Elements::new((0..self.sides()).map(level).collect())
     }
@@ -241,7 +248,12 @@ impl Task<'_> {
         let of = |block: &[f64]| -> Values<C> { std::array::from_fn(|c| block[first + c]) };
         let emission = of(self.lighting.emission_of(patch));
         let reflectance = of(self.lighting.reflectance_of(patch));
-        let values: Vec<Values<C>> = seen.iter().map(|s| s.radiosity(&emission, &reflectance)).collect();
+        let whole = seen.iter().fold(Seen::default(), |a, b| a.plus(b));
+        let radiosity = |s: &Seen<C>| {
+            let irradiance = s.irradiance(&whole);
+            std::array::from_fn(|c| emission[c] + reflectance[c] * irradiance[c])
+        };
+        let values: Vec<Values<C>> = seen.iter().map(radiosity).collect();
         let mean = mean_over_exposed(&seen, &values).unwrap_or(emission);
         (values, mean)
     }
@@ -326,13 +338,23 @@ impl<const C: usize> Seen<C> {
         f64::from(self.shots - self.buried)
     }
 
-    /// Radiosity of the exposed part: `B = E + rho H`.
-    fn radiosity(&self, emission: &Values<C>, reflectance: &Values<C>) -> Values<C> {
-        let exposure = ratio(self.open(), f64::from(self.shots));
-        let (per_ray, per_light) = (ratio(1.0, self.open()), ratio(1.0, f64::from(self.lights) * exposure));
-        std::array::from_fn(|c| {
-            emission[c] + reflectance[c] * (self.by_rays[c] * per_ray + self.by_lights[c] * per_light)
-        })
+    fn plus(mut self, other: &Seen<C>) -> Self {
+        add(&mut self.by_rays, 1.0, &other.by_rays);
+        add(&mut self.by_lights, 1.0, &other.by_lights);
+        self.shots += other.shots;
+        self.buried += other.buried;
+        self.lights += other.lights;
+        self
+    }
+
+    /// Irradiance of the exposed part. An element that no sample of one kind fell on has its side's of that kind.
+    fn irradiance(&self, whole: &Seen<C>) -> Values<C> {
+        let by_rays = if self.shots > 0 { self } else { whole };
+        let by_lights = if self.lights > 0 { self } else { whole };
+        let per_ray = ratio(1.0, by_rays.open());
+        let exposure = ratio(by_rays.open(), f64::from(by_rays.shots));
+        let per_light = ratio(1.0, f64::from(by_lights.lights) * exposure);
+        std::array::from_fn(|c| by_rays.by_rays[c] * per_ray + by_lights.by_lights[c] * per_light)
     }
 }
 

@@ -269,7 +269,8 @@ fn next(transport: &Transport, estimate: &Estimate, settings: &Settings, most: u
             range: (0, most),
         },
     ];
-    let mut wanted = plan(&kinds, &share, target, GROWTH);
+    let groups: Vec<u32> = (0..share.len()).map(|s| enclosure.patches().surface[enclosure.patch_of(s)]).collect();
+    let mut wanted = plan(&kinds, &share, &groups, target, GROWTH);
     let lights = wanted.pop().unwrap_or_default();
     let rays = wanted.pop().unwrap_or_default();
     if rays == kinds[0].drawn && lights == kinds[1].drawn {

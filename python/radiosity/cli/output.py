@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -57,7 +58,15 @@ def naming_file(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+        code = error.errno or _code_in(str(error))
+        reason = os.strerror(code) if code else str(error).removeprefix(f"{path}: ")
+        raise OSError(code, reason, str(path)) from error
+
+
+def _code_in(text: str) -> int | None:
+    """The error number in what a library of the engine made of an error, such as ``... (os error 28)``."""
+    match = re.search(r"\(os error (\d+)\)", text)
+    return int(match[1]) if match else None
 
 
 def print_json(content: Mapping[str, Any]) -> None:
