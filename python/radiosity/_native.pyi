@@ -120,7 +120,6 @@ class Factors:
         lamps: list[LightTuple],
         accuracy: float,
         method: str,
-        exact_closure: bool,
         threads: int | None = None,
         progress: _Progress | None = None,
     ) -> Solution: ...

@@ -10,6 +10,7 @@ _LIMITS = {
     "max_rays": "the most rays per patch were spent: raise max_rays",
     "patch_size": "light varies too much within patches: use smaller ones",
     "memory": "more samples would not fit the memory limit: raise it",
+    "samples": "the samples were given: solve the scene afresh for more",
 }
 
 

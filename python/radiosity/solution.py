@@ -135,7 +135,8 @@ def solve(
         scene: a scene (cut into about 5,000 patches) or patches.
         accuracy: wanted error of irradiance, root mean square over area and bands, relative to its mean. The engine
             samples until its own estimate of the error is below; ``report.reached`` says whether it got there.
-        transport: form factors to solve on as they are, instead of measuring the exchange to the accuracy.
+        transport: form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by patch, instead of
+            measuring the exchange to the accuracy.
         solver: how the equations are solved.
         closure: "balanced" scales the rows of the exchange to their known sums within the accuracy, "exact" to 1e-9.
         max_rays: most rays per patch.
@@ -157,7 +158,7 @@ def solve(
         if transport.patches is not patches:
             raise ValueError("transport was measured on other patches; pass those patches to solve")
         native = transport._native.solve(
-            patches.reflectance, patches.emission, lamps, accuracy, solver, exact, threads, progress
+            patches.reflectance, patches.emission, lamps, accuracy, solver, threads, progress
         )
     else:
         native = _native.solve(

@@ -51,6 +51,19 @@ def test_a_full_disk_leaves_no_file(run: Runner, tmp_path: Path, name: str) -> N
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_lit_model_is_not_lit_again(run: Runner, tmp_path: Path) -> None:
+    run("solve", *QUICK, "-o", "lit.glb")
+    solved = run("solve", "lit.glb", "-o", "again.glb")
+    assert (solved.returncode, solved.stdout) == (3, "")
+    assert solved.stderr.startswith("radiosity: lit.glb: the file is a lit model: a solution already")
+    assert "draw it with radiosity render" in solved.stderr
+    checked = run("check", "lit.glb", "--json")
+    assert checked.returncode == 3
+    findings = json.loads(checked.stdout)["findings"]
+    assert findings[0]["code"] == "lit-model"
+    assert "metallic-material" not in {finding["code"] for finding in findings}
+
+
 def test_the_source_is_not_overwritten(run: Runner, tmp_path: Path) -> None:
     run("solve", *QUICK, "-o", "lit.glb")
     before = (tmp_path / "lit.glb").read_bytes()

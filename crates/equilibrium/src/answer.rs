@@ -1,10 +1,10 @@
 //! From the samples to irradiance: solve on sides, sweep to elements, gather per replicate.
 
 use crate::lighting::Lighting;
+use crate::solve::Measurement;
 use crate::transport::Transport;
-use radiosity_exchange::operator::ElementExchange;
 use radiosity_exchange::{Elements, Luminaire, Shot};
-use radiosity_operator::{Cancelled, Control};
+use radiosity_operator::{Cancelled, Control, Operator};
 use radiosity_solvers::{Problem, SolveOptions, SolveReport};
 use rayon::prelude::*;
 
@@ -27,9 +27,8 @@ pub(crate) type Solver = fn(&Problem, &SolveOptions, &Control) -> Result<(Vec<f6
 
 /// Everything that stays the same through one answer.
 pub(crate) struct Task<'a> {
-    pub transport: &'a Transport,
+    pub measurement: &'a Measurement,
     pub lighting: &'a Lighting,
-    pub exchange: &'a ElementExchange,
     pub solver: Solver,
     pub options: SolveOptions,
     pub control: &'a Control,
@@ -51,11 +50,35 @@ struct Fine<const C: usize> {
 }
 
 impl Task<'_> {
+    /// Solves on sides, then takes two more bounces on elements.
     pub fn answer(&self) -> Result<Answer, Cancelled> {
-        let (radiosity, solver) = self.solve_on_sides()?;
-        let elements = self.elements();
+        let (radiosity, solver) = self.solve_on_sides(&self.measurement.exchange.exposed_area)?;
+        self.finish_all(&self.elements(), SWEEPS, &radiosity, solver)
+    }
+
+    /// Solves `B = E + rho F B` on sides and leaves it at that; the replicates serve the error estimate.
+    pub fn answer_as_is(&self) -> Result<Answer, Cancelled> {
+        let enclosure = self.transport().enclosure();
+        let area: Vec<f64> = (0..self.sides()).map(|side| enclosure.area(side)).collect();
+        let (radiosity, solver) = self.solve_on_sides(&area)?;
+        let mut answer = self.finish_all(&Elements::whole(enclosure), 0, &radiosity, solver)?;
+        self.measurement.exchange.operator.apply(&radiosity, &mut answer.irradiance, self.lighting.bands);
+        let incident = self.incident(&area);
+        for (k, h) in answer.irradiance.iter_mut().enumerate() {
+            *h = ratio(*h, area[k / self.lighting.bands]) + incident[k];
+        }
+        Ok(answer)
+    }
+
+    fn finish_all(
+        &self,
+        elements: &Elements,
+        sweeps: usize,
+        radiosity: &[f64],
+        solver: SolveReport,
+    ) -> Result<Answer, Cancelled> {
         let (sides, bands) = (self.sides(), self.lighting.bands);
-        let width = bands * self.transport.shots().replicates();
+        let width = bands * self.transport().shots().replicates();
         let mut answer = Answer {
             by_rays: vec![0.0; sides * width],
             by_lights: vec![0.0; sides * width],
@@ -66,30 +89,34 @@ impl Task<'_> {
         // Three bands at a time, as most scenes have, then what is left one by one.
         let threes = bands - bands % 3;
         for first in (0..threes).step_by(3) {
-            self.finish::<3>(first, &elements, &radiosity, &mut answer)?;
+            self.finish::<3>(first, elements, sweeps, radiosity, &mut answer)?;
         }
         for first in threes..bands {
-            self.finish::<1>(first, &elements, &radiosity, &mut answer)?;
+            self.finish::<1>(first, elements, sweeps, radiosity, &mut answer)?;
         }
         Ok(answer)
     }
 
+    fn transport(&self) -> &Transport {
+        &self.measurement.transport
+    }
+
     fn sides(&self) -> usize {
-        self.transport.enclosure().sides()
+        self.transport().enclosure().sides()
     }
 
     /// A block with each side's patch's values.
     fn per_side<'b>(&'b self, of_patch: impl Fn(usize) -> &'b [f64]) -> Vec<f64> {
-        (0..self.sides()).flat_map(|side| of_patch(self.transport.enclosure().patch_of(side))).copied().collect()
+        (0..self.sides()).flat_map(|side| of_patch(self.transport().enclosure().patch_of(side))).copied().collect()
     }
 
-    fn solve_on_sides(&self) -> Result<(Vec<f64>, SolveReport), Cancelled> {
+    fn solve_on_sides(&self, area: &[f64]) -> Result<(Vec<f64>, SolveReport), Cancelled> {
         let reflectance = self.per_side(|p| self.lighting.reflectance_of(p));
         let emission = self.per_side(|p| self.lighting.emission_of(p));
-        let incident = self.incident();
+        let incident = self.incident(area);
         let problem = Problem {
-            exchange: &self.exchange.operator,
-            area: &self.exchange.exposed_area,
+            exchange: &self.measurement.exchange.operator,
+            area,
             reflectance: &reflectance,
             emission: &emission,
             incident: &incident,
@@ -98,20 +125,20 @@ impl Task<'_> {
         (self.solver)(&problem, &self.options, self.control)
     }
 
-    /// Irradiance of the exposed part of each side from lights without area, sides x bands.
-    fn incident(&self) -> Vec<f64> {
+    /// Irradiance of that much of each side from lights without area, sides x bands.
+    fn incident(&self, area: &[f64]) -> Vec<f64> {
         let bands = self.lighting.bands;
         let mut incident = vec![0.0; self.sides() * bands];
         if self.lighting.lamps.is_empty() {
             return incident;
         }
         incident.par_chunks_mut(bands).enumerate().with_min_len(SIDES_PER_TASK).for_each(|(side, out)| {
-            for sample in self.transport.lights().of(side).flatten() {
+            for sample in self.transport().lights().of(side).flatten() {
                 if let Some(lamp) = self.lamp(sample.luminaire) {
                     out.iter_mut().zip(lamp).for_each(|(o, l)| *o += f64::from(sample.weight) * l);
                 }
             }
-            let exposure = ratio(self.exchange.exposed_area[side], self.transport.enclosure().area(side));
+            let exposure = ratio(area[side], self.transport().enclosure().area(side));
             let scale = ratio(1.0, self.light_samples(side) * exposure);
             out.iter_mut().for_each(|o| *o *= scale);
         });
@@ -122,34 +149,35 @@ impl Task<'_> {
     pub fn incident_power(&self) -> Vec<f64> {
         let bands = self.lighting.bands;
         let mut power = vec![0.0; bands];
-        for (side, incident) in self.incident().chunks_exact(bands).enumerate() {
-            power.iter_mut().zip(incident).for_each(|(p, i)| *p += self.exchange.exposed_area[side] * i);
+        let area = &self.measurement.exchange.exposed_area;
+        for (side, incident) in self.incident(area).chunks_exact(bands).enumerate() {
+            power.iter_mut().zip(incident).for_each(|(p, i)| *p += area[side] * i);
         }
         power
     }
 
     /// The strength per band of a luminaire that is a light without area.
     fn lamp(&self, luminaire: u32) -> Option<&[f64]> {
-        let emitters = self.transport.luminaires().len() - self.lighting.lamps.len();
+        let emitters = self.transport().luminaires().len() - self.lighting.lamps.len();
         (luminaire as usize).checked_sub(emitters).map(|k| self.lighting.lamps[k].strength.as_slice())
     }
 
     /// Light samples of a side, all replicates together.
     fn light_samples(&self, side: usize) -> f64 {
-        f64::from(self.transport.lights().per_replicate(side)) * self.transport.lights().replicates() as f64
+        f64::from(self.transport().lights().per_replicate(side)) * self.transport().lights().replicates() as f64
     }
 
     /// As many elements as the samples of a side can resolve; a lamp stays whole.
     fn elements(&self) -> Elements {
-        let (shots, lights) = (self.transport.shots(), self.transport.lights());
+        let (shots, lights) = (self.transport().shots(), self.transport().lights());
         let replicates = shots.replicates() as u32;
-        let has_luminaires = !self.transport.luminaires().is_empty();
+        let has_luminaires = !self.transport().luminaires().is_empty();
         let level = |side| {
             let rays = shots.per_replicate(side) * replicates;
             // Direct light is smooth but for shadows: a quarter of the samples resolves it as well.
             let tests = if has_luminaires { 4 * lights.per_replicate(side) * replicates } else { u32::MAX };
             match rays.min(tests) {
-                _ if self.transport.is_lamp(side) => 0,
+                _ if self.transport().is_lamp(side) => 0,
                 0..64 => 0,
                 64..256 => 1,
                 256..4096 => 2,
@@ -164,6 +192,7 @@ impl Task<'_> {
         &self,
         first: usize,
         elements: &Elements,
+        sweeps: usize,
         radiosity: &[f64],
         answer: &mut Answer,
     ) -> Result<(), Cancelled> {
@@ -174,12 +203,12 @@ impl Task<'_> {
             self.lighting.lamps.iter().map(|l| std::array::from_fn(|c| l.strength[first + c])).collect();
         let flat = (0..self.sides()).flat_map(|side| elements.of(side).map(move |_| side));
         let mut fine = Fine { elements: flat.map(|side| sides[side]).collect(), sides };
-        for _ in 0..SWEEPS {
+        for _ in 0..sweeps {
             self.control.check()?;
             fine = self.sweep(first, elements, &strengths, &fine);
         }
         self.control.check()?;
-        let replicates = self.transport.shots().replicates();
+        let replicates = self.transport().shots().replicates();
         let gathered: Vec<Gathered<C>> = (0..self.sides())
             .into_par_iter()
             .with_min_len(SIDES_PER_TASK)
@@ -228,7 +257,7 @@ impl Task<'_> {
     ) -> (Vec<Values<C>>, Values<C>) {
         let (start, count) = (elements.of(side).start, elements.of(side).len());
         let mut seen = vec![Seen::<C>::default(); count];
-        for shot in self.transport.shots().of(side).flatten() {
+        for shot in self.transport().shots().of(side).flatten() {
             let element = &mut seen[elements.at(side, shot.origin_cell) - start];
             element.shots += 1;
             element.buried += u32::from(shot.target == Shot::BURIED);
@@ -236,7 +265,7 @@ impl Task<'_> {
                 add(&mut element.by_rays, 1.0, &fine.elements[e]);
             }
         }
-        for sample in self.transport.lights().of(side).flatten() {
+        for sample in self.transport().lights().of(side).flatten() {
             let element = &mut seen[elements.at(side, sample.origin_cell) - start];
             element.lights += 1;
             if sample.weight > 0.0 {
@@ -244,7 +273,7 @@ impl Task<'_> {
                 add(&mut element.by_lights, f64::from(sample.weight), source);
             }
         }
-        let patch = self.transport.enclosure().patch_of(side);
+        let patch = self.transport().enclosure().patch_of(side);
         let of = |block: &[f64]| -> Values<C> { std::array::from_fn(|c| block[first + c]) };
         let emission = of(self.lighting.emission_of(patch));
         let reflectance = of(self.lighting.reflectance_of(patch));
@@ -262,7 +291,7 @@ impl Task<'_> {
     #[inline]
     fn seen_by_ray(&self, elements: &Elements, shot: &Shot) -> Option<usize> {
         let target = shot.target as usize;
-        (shot.landed() && !self.transport.is_lamp(target)).then(|| elements.at(target, shot.target_cell))
+        (shot.landed() && !self.transport().is_lamp(target)).then(|| elements.at(target, shot.target_cell))
     }
 
     /// What a luminaire sends per unit of its samples' weight.
@@ -272,10 +301,10 @@ impl Task<'_> {
         strengths: &'b [Values<C>],
         fine: &'b Fine<C>,
     ) -> &'b Values<C> {
-        match self.transport.luminaires()[luminaire as usize] {
+        match self.transport().luminaires()[luminaire as usize] {
             Luminaire::Side(side) => &fine.sides[side as usize],
             // Lights without area stand after the emitters.
-            _ => &strengths[luminaire as usize + strengths.len() - self.transport.luminaires().len()],
+            _ => &strengths[luminaire as usize + strengths.len() - self.transport().luminaires().len()],
         }
     }
 
@@ -286,9 +315,9 @@ impl Task<'_> {
         fine: &Fine<C>,
         side: usize,
     ) -> Gathered<C> {
-        let replicates = self.transport.shots().replicates();
-        let per_ray = ratio(1.0, f64::from(self.transport.shots().per_replicate(side)));
-        let per_light = ratio(1.0, f64::from(self.transport.lights().per_replicate(side)));
+        let replicates = self.transport().shots().replicates();
+        let per_ray = ratio(1.0, f64::from(self.transport().shots().per_replicate(side)));
+        let per_light = ratio(1.0, f64::from(self.transport().lights().per_replicate(side)));
         let mut g = Gathered {
             by_rays: vec![[0.0; C]; replicates],
             by_lights: vec![[0.0; C]; replicates],
@@ -296,7 +325,7 @@ impl Task<'_> {
         };
         for r in 0..replicates {
             let (mut rays, mut lights) = ([0.0; C], [0.0; C]);
-            for shot in self.transport.shots().replicate(side, r).flatten() {
+            for shot in self.transport().shots().replicate(side, r).flatten() {
                 if let Some(e) = self.seen_by_ray(elements, shot) {
                     let (value, mean) = (&fine.elements[e], &fine.sides[shot.target as usize]);
                     for c in 0..C {
@@ -305,7 +334,7 @@ impl Task<'_> {
                     }
                 }
             }
-            for sample in self.transport.lights().replicate(side, r).flatten().filter(|s| s.weight > 0.0) {
+            for sample in self.transport().lights().replicate(side, r).flatten().filter(|s| s.weight > 0.0) {
                 add(&mut lights, f64::from(sample.weight), self.source(sample.luminaire, strengths, fine));
             }
             g.by_rays[r] = rays.map(|v| v * per_ray);

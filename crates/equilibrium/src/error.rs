@@ -7,7 +7,6 @@
 use crate::answer::{Answer, Task, ratio};
 use crate::lighting::mean;
 use crate::plan::RATE;
-use crate::solve::THINNING;
 use radiosity_operator::{Cancelled, Operator};
 
 /// The error left by elements as a share of the change they made: between a fourth (halving twice, first order) and
@@ -38,8 +37,8 @@ pub(crate) struct Estimate {
 
 pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancelled> {
     let bands = task.lighting.bands;
-    let replicates = task.transport.shots().replicates();
-    let sides = task.transport.enclosure().sides();
+    let replicates = task.measurement.transport.shots().replicates();
+    let sides = task.measurement.transport.enclosure().sides();
     let width = replicates * bands;
     let (mut own, mut ray_variance, mut light_variance) =
         (vec![0.0; sides * bands], vec![0.0; sides], vec![0.0; sides]);
@@ -55,12 +54,11 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
             light_variance[side] += variance_of_mean(lights, bands, b) / bands as f64;
         }
         for k in 0..replicates {
-            deviation[side * replicates + k] =
-                mean(&both[k * bands..][..bands]) - mean(&answer.irradiance[side * bands..][..bands]);
+            deviation[side * replicates + k] = mean(&both[k * bands..][..bands]) - mean(&both);
         }
     }
     let carried = carry(task, &deviation, replicates)?;
-    let area = |side: usize| task.transport.enclosure().area(side);
+    let area = |side: usize| task.measurement.transport.enclosure().area(side);
     let total_area: f64 = (0..sides).map(area).sum();
     let (mut sampling, mut elements, mut level) = (0.0, 0.0, 0.0);
     let mut standard_error = vec![0.0; sides * bands];
@@ -97,17 +95,17 @@ fn variance_of_mean(values: &[f64], bands: usize, band: usize) -> f64 {
 
 /// The variance that the deviations of other sides' replicates cause at each side through interreflection.
 fn carry(task: &Task, deviation: &[f64], replicates: usize) -> Result<Vec<f64>, Cancelled> {
-    let enclosure = task.transport.enclosure();
+    let enclosure = task.measurement.transport.enclosure();
     let reflectance: Vec<f64> =
         (0..enclosure.sides()).map(|side| mean(task.lighting.reflectance_of(enclosure.patch_of(side)))).collect();
-    let area = &task.exchange.exposed_area;
+    let area = &task.measurement.exchange.exposed_area;
     let mut carried = vec![0.0; deviation.len()];
     for _ in 0..MOST_BOUNCES {
         task.control.check()?;
         let reflected: Vec<f64> =
             (0..deviation.len()).map(|k| reflectance[k / replicates] * (deviation[k] + carried[k])).collect();
         let mut arriving = vec![0.0; deviation.len()];
-        task.exchange.operator.apply(&reflected, &mut arriving, replicates);
+        task.measurement.exchange.operator.apply(&reflected, &mut arriving, replicates);
         arriving.iter_mut().enumerate().for_each(|(k, v)| *v = ratio(*v, area[k / replicates]));
         let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|v| v * v).sum::<f64>().sqrt();
         let change = norm(&mut arriving.iter().zip(&carried).map(|(a, b)| a - b));
@@ -118,7 +116,7 @@ fn carry(task: &Task, deviation: &[f64], replicates: usize) -> Result<Vec<f64>, 
         }
     }
     // The deviations are those of all rays; the operator, which the carried noise is of, had fewer.
-    let thinner = f64::from(THINNING).powf(RATE);
+    let thinner = f64::from(task.measurement.thinning).powf(RATE);
     let n = replicates as f64;
     Ok(carried
         .chunks_exact(replicates)

@@ -22,5 +22,5 @@ pub mod transport;
 
 pub use lighting::{Lamp, Lighting};
 pub use report::{Limit, Report};
-pub use solve::{Closure, Failure, Method, Settings, Solution, relight, solve};
+pub use solve::{Closure, Failure, Measurement, Method, Settings, Solution, relight, solve};
 pub use transport::Transport;

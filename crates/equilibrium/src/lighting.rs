@@ -25,6 +25,13 @@ pub struct Lamp {
     pub strength: Vec<f64>,
 }
 
+impl Lamp {
+    /// The mean over bands, by which samples are shared.
+    pub fn mean_strength(&self) -> f64 {
+        mean(&self.strength)
+    }
+}
+
 /// An emitter is sampled by area when its exitance exceeds the scene's mean emission this many times: rays find
 /// weaker ones often enough, and in a scene where everything glows nothing is a lamp.
 const LAMP_CONTRAST: f64 = 6.0;
@@ -68,7 +75,7 @@ impl Lighting {
         }
         for lamp in &self.lamps {
             luminaires.list.push(lamp.luminaire);
-            luminaires.strength.push(mean(&lamp.strength));
+            luminaires.strength.push(lamp.mean_strength());
         }
         luminaires
     }

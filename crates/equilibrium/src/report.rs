@@ -11,6 +11,8 @@ pub enum Limit {
     PatchSize,
     /// More samples would not fit the memory limit.
     Memory,
+    /// The samples were given; none were added.
+    Samples,
 }
 
 impl Limit {
@@ -21,6 +23,7 @@ impl Limit {
             Limit::Rays => "max_rays",
             Limit::PatchSize => "patch_size",
             Limit::Memory => "memory",
+            Limit::Samples => "samples",
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::answer::{Answer, Solver, Task, ratio};
 use crate::error::{Estimate, estimate};
 use crate::lighting::Lighting;
 use crate::plan::{Kind, plan};
-use crate::report::{Limit, Report};
+use crate::report::{Limit, Report, Seconds};
 use crate::transport::Transport;
 use radiosity_exchange::operator::ElementExchange;
 use radiosity_exchange::{Elements, Enclosure, Shot};
@@ -69,7 +69,8 @@ pub enum Failure {
     Cancelled,
     /// Even the first round does not fit.
     #[error(
-        "{patches} patches need at least {needed} bytes and the limit is {limit}; raise the limit or use fewer patches"
+        "{patches} patches need at least {:.1} MB for samples and the limit is {:.1} MB; raise the limit or use fewer patches",
+        *needed as f64 / 1e6, *limit as f64 / 1e6
     )]
     Memory {
         /// Patches asked for.
@@ -98,7 +99,37 @@ pub struct Solution {
     /// What the solve says about itself.
     pub report: Report,
     /// The measured exchange, for another lighting of the same geometry.
-    pub transport: Arc<Transport>,
+    pub measurement: Arc<Measurement>,
+}
+
+/// Samples with the operator they add up to.
+pub struct Measurement {
+    /// The samples.
+    pub transport: Transport,
+    /// The operator on whole sides.
+    pub exchange: ElementExchange,
+    /// The operator is built from one sample in this many.
+    pub thinning: u32,
+    /// Whether the operator is to be solved as it is, side by side, and nothing added.
+    pub is_raw: bool,
+}
+
+impl Measurement {
+    /// Builds the operator of all samples, rows as measured.
+    pub fn raw(transport: Transport) -> Self {
+        let exchange = transport.on(&Elements::whole(transport.enclosure()), 1, None);
+        Self { transport, exchange, thinning: 1, is_raw: true }
+    }
+
+    /// Builds the operator of a share of the samples, rows scaled to their known sums.
+    fn balanced(transport: Transport, settings: &Settings) -> Self {
+        let balance = match settings.closure {
+            Closure::Balanced => (0.1 * settings.accuracy.min(0.1), 12),
+            Closure::Exact => (1e-9, 500),
+        };
+        let exchange = transport.on(&Elements::whole(transport.enclosure()), THINNING, Some(balance));
+        Self { transport, exchange, thinning: THINNING, is_raw: false }
+    }
 }
 
 /// Independent replicates: enough for an estimate of the error, few enough that each is long.
@@ -106,7 +137,10 @@ const REPLICATES: usize = 4;
 
 /// The operator is built from one ray in this many: the noise it leaves in the radiosity of single sides averages out
 /// in the gather, which uses all rays, and the error estimate accounts for it.
-pub(crate) const THINNING: u32 = 4;
+const THINNING: u32 = 4;
+
+/// Far beyond what reflectances below 0.999 need.
+const MOST_ITERATIONS: usize = 100_000;
 
 /// A round multiplies the samples of a side by at most this.
 const GROWTH: u32 = 32;
@@ -128,61 +162,70 @@ pub fn solve(
     let has_luminaires = !luminaires.list.is_empty();
     let mut transport = Transport::new(enclosure, luminaires, REPLICATES, settings.seed);
     let most = settings.max_rays.div_ceil(REPLICATES as u32);
-    let (first_rays, first_lights) = first_round(settings.accuracy);
-    let mut wanted =
-        (vec![first_rays.min(most); sides], vec![if has_luminaires { first_lights.min(most) } else { 0 }; sides]);
+    let (rays, lights) = first_round(settings.accuracy);
+    let lights = if has_luminaires { lights.min(most) } else { 0 };
+    let mut wanted = (vec![rays.min(most); sides], vec![lights; sides]);
     let needed = forecast(&wanted.0, &wanted.1);
     if needed > settings.memory_limit {
         let patches = transport.enclosure().patches().len();
         return Err(Failure::Memory { patches, needed, limit: settings.memory_limit });
     }
-    let mut seconds = crate::report::Seconds::default();
-    let mut rounds = 0;
-    loop {
-        rounds += 1;
+    let mut seconds = Seconds::default();
+    for rounds in 1.. {
         let before = Instant::now();
         announce(&transport, &wanted, control);
         transport.refine(&wanted.0, &wanted.1, control)?;
         seconds.sampling += before.elapsed().as_secs_f64();
         let before = Instant::now();
-        let exchange = exchange(&transport, settings);
-        let task = task(&transport, lighting, &exchange, settings, control);
+        let measurement = Measurement::balanced(transport, settings);
+        let task = task(&measurement, lighting, settings, control);
         let answer = task.answer()?;
         let estimate = estimate(&task, &answer)?;
         seconds.solving += before.elapsed().as_secs_f64();
-        let step = next(&transport, &estimate, settings, most);
-        match step {
+        match next(&measurement.transport, &estimate, settings, most) {
             Step::Sample(rays, lights) => wanted = (rays, lights),
             Step::Stop(limit) => {
                 seconds.total = start.elapsed().as_secs_f64();
-                let report =
-                    Report { rounds, seconds, limited_by: Some(limit), ..report(&task, &answer, &estimate, settings) };
-                let (radiosity, irradiance) = (radiosity(&task, &answer), answer.irradiance);
-                let error = estimate.standard_error;
-                return Ok(Solution { irradiance, radiosity, error, report, transport: Arc::new(transport) });
+                let report = Report { rounds, seconds, ..report(&task, &answer, &estimate, settings, limit) };
+                let radiosity = radiosity(&task, &answer);
+                return Ok(solution(answer, radiosity, estimate, report, Arc::new(measurement)));
             }
         }
+        transport = measurement.transport;
     }
+    unreachable!("the loop ends by returning")
 }
 
 /// Solves again on samples already taken: same geometry, other lamps or paint.
+///
+/// On a raw measurement this is `B = E + rho F B` with the form factors as measured, to 1e-9.
 pub fn relight(
-    transport: &Arc<Transport>,
+    measurement: &Arc<Measurement>,
     lighting: &Lighting,
     settings: &Settings,
     control: &Control,
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
-    let exchange = exchange(transport, settings);
-    let task = task(transport, lighting, &exchange, settings, control);
-    let answer = task.answer()?;
+    let closure = if measurement.is_raw { Closure::Exact } else { settings.closure };
+    let task = task(measurement, lighting, &Settings { closure, ..settings.clone() }, control);
+    let answer = if measurement.is_raw { task.answer_as_is()? } else { task.answer()? };
     let estimate = estimate(&task, &answer)?;
-    let limited_by = Some(if estimate.relative <= settings.accuracy { Limit::Accuracy } else { Limit::Rays });
+    let limit = if estimate.relative <= settings.accuracy { Limit::Accuracy } else { Limit::Samples };
     let total = start.elapsed().as_secs_f64();
-    let seconds = crate::report::Seconds { sampling: 0.0, solving: total, total };
-    let report = Report { seconds, limited_by, ..report(&task, &answer, &estimate, settings) };
-    let (radiosity, irradiance) = (radiosity(&task, &answer), answer.irradiance);
-    Ok(Solution { irradiance, radiosity, error: estimate.standard_error, report, transport: transport.clone() })
+    let seconds = Seconds { sampling: 0.0, solving: total, total };
+    let report = Report { seconds, ..report(&task, &answer, &estimate, settings, limit) };
+    let radiosity = radiosity(&task, &answer);
+    Ok(solution(answer, radiosity, estimate, report, measurement.clone()))
+}
+
+fn solution(
+    answer: Answer,
+    radiosity: Vec<f64>,
+    estimate: Estimate,
+    report: Report,
+    measurement: Arc<Measurement>,
+) -> Solution {
+    Solution { irradiance: answer.irradiance, radiosity, error: estimate.standard_error, report, measurement }
 }
 
 /// Rays and light samples per replicate to begin with: few enough to be surpassed, enough to plan by.
@@ -204,18 +247,9 @@ fn announce(transport: &Transport, wanted: &(Vec<u32>, Vec<u32>), control: &Cont
     control.expect((rays + lights) * REPLICATES as u64);
 }
 
-fn exchange(transport: &Transport, settings: &Settings) -> ElementExchange {
-    let balance = match settings.closure {
-        Closure::Balanced => (0.1 * settings.accuracy.min(0.1), 12),
-        Closure::Exact => (1e-9, 500),
-    };
-    transport.on(&Elements::whole(transport.enclosure()), THINNING, Some(balance))
-}
-
 fn task<'a>(
-    transport: &'a Transport,
+    measurement: &'a Measurement,
     lighting: &'a Lighting,
-    exchange: &'a ElementExchange,
     settings: &Settings,
     control: &'a Control,
 ) -> Task<'a> {
@@ -229,8 +263,8 @@ fn task<'a>(
         Method::ConjugateGradient => conjugate_gradient,
         Method::Jacobi => jacobi,
     };
-    let options = SolveOptions { tolerance, max_iterations: 100_000 };
-    Task { transport, lighting, exchange, solver, options, control }
+    let options = SolveOptions { tolerance, max_iterations: MOST_ITERATIONS };
+    Task { measurement, lighting, solver, options, control }
 }
 
 enum Step {
@@ -299,17 +333,19 @@ fn radiosity(task: &Task, answer: &Answer) -> Vec<f64> {
         .iter()
         .enumerate()
         .map(|(k, h)| {
-            let patch = task.transport.enclosure().patch_of(k / bands);
+            let patch = task.measurement.transport.enclosure().patch_of(k / bands);
             task.lighting.emission_of(patch)[k % bands] + task.lighting.reflectance_of(patch)[k % bands] * h
         })
         .collect()
 }
 
-fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings) -> Report {
-    let (transport, enclosure, bands) = (task.transport, task.transport.enclosure(), task.lighting.bands);
+fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings, limit: Limit) -> Report {
+    let Measurement { transport, exchange, .. } = task.measurement;
+    let (enclosure, bands) = (transport.enclosure(), task.lighting.bands);
     let radiosity = radiosity(task, answer);
     let mut r = Report {
         accuracy: settings.accuracy,
+        limited_by: Some(limit),
         estimated_error: estimate.relative,
         sampling_error: estimate.relative_sampling,
         discretisation_error: estimate.relative_elements,
@@ -326,8 +362,8 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
         absorbed: vec![0.0; bands],
         escaped: vec![0.0; bands],
         lost_on_backs: vec![0.0; bands],
-        closure_residual: task.exchange.imbalance,
-        memory_bytes: enclosure.memory_bytes() + transport.memory_bytes() + task.exchange.operator.memory_bytes(),
+        closure_residual: exchange.imbalance,
+        memory_bytes: enclosure.memory_bytes() + transport.memory_bytes() + exchange.operator.memory_bytes(),
         ..Report::default()
     };
     let from_lights = task.incident_power();
@@ -360,7 +396,7 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
     };
     r.imbalance = (0..bands).map(balance).fold(0.0, |a, b| if b.abs() > a.abs() { b } else { a });
     r.escape_share = ratio(escaped, rays);
-    r.closure = closure(task.exchange);
+    r.closure = closure(exchange);
     r
 }
 

@@ -25,10 +25,17 @@ fn encode_png(picture: &Rgb8, out: &mut Output) -> io::Result<()> {
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&picture.pixels)?;
-    writer.finish()?;
-    Ok(())
+    let mut writer = encoder.write_header().map_err(png_error)?;
+    writer.write_image_data(&picture.pixels).map_err(png_error)?;
+    writer.finish().map_err(png_error)
+}
+
+/// The error of the system where there is one: its number would be lost in the library's own conversion.
+fn png_error(error: png::EncodingError) -> io::Error {
+    match error {
+        png::EncodingError::IoError(error) => error,
+        other => other.into(),
+    }
 }
 
 fn size(width: usize, height: usize) -> io::Result<[u32; 2]> {
@@ -65,7 +72,10 @@ fn encode_exr<S: AsRef<str>>(image: &Image, bands: &[S], out: &mut Output) -> io
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels),
     );
-    ExrImage::from_layer(layer).write().non_parallel().to_buffered(out).map_err(io::Error::other)
+    ExrImage::from_layer(layer).write().non_parallel().to_buffered(out).map_err(|error| match error {
+        exr::error::Error::Io(error) => error,
+        other => io::Error::other(other),
+    })
 }
 
 #[cfg(test)]
@@ -103,6 +113,20 @@ mod tests {
                 assert_eq!(samples, image.iter().map(|pixel| pixel[band]).collect::<Vec<_>>());
             }
         }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_keeps_the_number_of_its_error() {
+        const NO_SPACE: i32 = 28;
+        let path = Path::new("/dev/full");
+        // Noise, so that compressed it is still larger than the buffer.
+        let noise: Vec<u32> = (0..30_000u32).map(|i| i.wrapping_mul(2_654_435_761).rotate_left(i % 31)).collect();
+        let pixels: Vec<f32> = noise.iter().map(|n| f32::from_bits(n >> 2)).collect();
+        let exr = write_exr(path, &Image { width: 300, height: 100, bands: 1, pixels }, &["Y"]).unwrap_err();
+        let pixels = noise.iter().map(|n| (n >> 9) as u8).collect();
+        let png = write_png(path, &Rgb8 { width: 100, height: 100, pixels }).unwrap_err();
+        assert_eq!((exr.source.raw_os_error(), png.source.raw_os_error()), (Some(NO_SPACE), Some(NO_SPACE)));
     }
 
     #[test]

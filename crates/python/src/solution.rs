@@ -7,7 +7,7 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use radiosity_equilibrium::{Closure, Lamp, Lighting, Method, Report, Settings, Transport};
+use radiosity_equilibrium::{Closure, Failure, Lamp, Lighting, Measurement, Method, Report, Settings};
 use radiosity_exchange::Luminaire;
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ impl Solution {
 
     /// Irradiance, radiosity and error of the backs of the two-sided patches, in patch order.
     fn backs<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray2<f64>>; 3] {
-        let enclosure = self.inner.transport.enclosure();
+        let enclosure = self.inner.measurement.transport.enclosure();
         let range = enclosure.patches().len()..enclosure.sides();
         [&self.inner.irradiance, &self.inner.radiosity, &self.inner.error]
             .map(|values| convert::rows_out(py, values, range.clone(), self.bands))
@@ -67,7 +67,7 @@ impl Solution {
     ) -> PyResult<Solution> {
         relight(
             py,
-            &self.inner.transport,
+            &self.inner.measurement,
             reflectance,
             emission,
             lamps,
@@ -79,8 +79,12 @@ impl Solution {
 }
 
 impl Solution {
+    pub fn new(result: Result<radiosity_equilibrium::Solution, Failure>, bands: usize) -> PyResult<Self> {
+        Ok(Self { inner: result.map_err(errors::failure)?, bands })
+    }
+
     fn fronts<'py>(&self, py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray2<f64>> {
-        convert::rows_out(py, values, 0..self.inner.transport.enclosure().patches().len(), self.bands)
+        convert::rows_out(py, values, 0..self.inner.measurement.transport.enclosure().patches().len(), self.bands)
     }
 }
 
@@ -109,12 +113,12 @@ pub fn solve(
     let result = watch::run(py, threads, progress.as_ref(), |control| {
         radiosity_equilibrium::solve(enclosure, &lighting, &settings, control)
     })?;
-    Ok(Solution { inner: result.map_err(errors::failure)?, bands: lighting.bands })
+    Solution::new(result, lighting.bands)
 }
 
-pub fn relight(
+fn relight(
     py: Python<'_>,
-    transport: &Arc<Transport>,
+    measurement: &Arc<Measurement>,
     reflectance: PyReadonlyArray2<'_, f64>,
     emission: PyReadonlyArray2<'_, f64>,
     lamps: Vec<LightTuple>,
@@ -122,14 +126,14 @@ pub fn relight(
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Solution> {
-    let lighting = lighting_in(transport.enclosure(), reflectance, emission, lamps)?;
+    let lighting = lighting_in(measurement.transport.enclosure(), reflectance, emission, lamps)?;
     let result = watch::run(py, threads, progress.as_ref(), |control| {
-        radiosity_equilibrium::relight(transport, &lighting, settings, control)
+        radiosity_equilibrium::relight(measurement, &lighting, settings, control)
     })?;
-    Ok(Solution { inner: result.map_err(errors::failure)?, bands: lighting.bands })
+    Solution::new(result, lighting.bands)
 }
 
-fn lighting_in(
+pub fn lighting_in(
     enclosure: &radiosity_exchange::Enclosure,
     reflectance: PyReadonlyArray2<'_, f64>,
     emission: PyReadonlyArray2<'_, f64>,

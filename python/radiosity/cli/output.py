@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -58,15 +57,8 @@ def naming_file(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        code = error.errno or _code_in(str(error))
-        reason = os.strerror(code) if code else str(error).removeprefix(f"{path}: ")
-        raise OSError(code, reason, str(path)) from error
-
-
-def _code_in(text: str) -> int | None:
-    """The error number in what a library of the engine made of an error, such as ``... (os error 28)``."""
-    match = re.search(r"\(os error (\d+)\)", text)
-    return int(match[1]) if match else None
+        reason = os.strerror(error.errno) if error.errno else str(error).removeprefix(f"{path}: ")
+        raise OSError(error.errno, reason, str(path)) from error
 
 
 def print_json(content: Mapping[str, Any]) -> None:

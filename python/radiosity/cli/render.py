@@ -57,7 +57,7 @@ def render(
     lit = _open_lit(file, unit)
     solution = None
     if lit is None:
-        scene = source.open_scene(file, unit=unit, two_sided=two_sided)
+        scene = source.open_unlit(file, unit=unit, two_sided=two_sided)
         # Before the long work, so that a wrong name does not come after it.
         picture.choose_camera(scene.cameras, camera, look_from, look_at, fov)
         solution = solve_patches(file, source.cut(file, scene, meshing), effort, quiet=quiet)

@@ -58,7 +58,7 @@ def solve(
     meshing = source.Meshing(max_edge, patches, as_is, max_patches)
     effort = Effort(accuracy, max_rays, memory, solver, threads, seed)
     source.use_threads(threads)
-    scene = source.open_scene(file, unit=unit, two_sided=two_sided)
+    scene = source.open_unlit(file, unit=unit, two_sided=two_sided)
     solution = solve_patches(file, source.cut(file, scene, meshing), effort, quiet=quiet)
     output.save(solution, targets)
     findings = scene.findings()

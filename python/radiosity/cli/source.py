@@ -68,6 +68,22 @@ def open_scene(file: str, *, unit: str | None = None, two_sided: bool | None = N
     return scene
 
 
+def open_unlit(file: str, *, unit: str | None = None, two_sided: bool | None = None) -> Scene:
+    """Open a scene to solve it.
+
+    Raises:
+        SceneError: the file cannot be read, or it is a solution itself.
+        Stop: as :func:`open_scene`.
+    """
+    from radiosity import SceneError
+
+    scene = open_scene(file, unit=unit, two_sided=two_sided)
+    lit = [finding.message for finding in scene.loading_findings if finding.code == "lit-model"]
+    if lit:
+        raise SceneError(f"{file}: {lit[0]}")
+    return scene
+
+
 def make_builtin(name: str) -> Scene:
     """A built-in scene by its name on the command line, such as ``cornell-box``."""
     from radiosity.scenes import BUILTIN_SCENES

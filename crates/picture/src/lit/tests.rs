@@ -107,6 +107,24 @@ fn colours_are_fit_for_the_screen() {
     assert!(exposure > 0.0 && exposure.is_finite());
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_keeps_the_number_of_its_error() {
+    let error = write_lit(Path::new("/dev/full"), &sample(3).model()).unwrap_err();
+    assert_eq!(error.source.raw_os_error(), Some(28));
+}
+
+#[test]
+fn lit_models_read_as_scenes_are_diffuse_and_known_for_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lit.glb");
+    write_lit(&path, &sample(3).model()).unwrap();
+    let scene = radiosity_scene::load(&path, &radiosity_scene::LoadOptions::default()).unwrap();
+    assert!(scene.findings.iter().all(|finding| finding.code != "metallic-material"), "{:?}", scene.findings);
+    assert_eq!(scene.validate().unwrap_err().message, scene.findings[0].message);
+    assert_eq!(scene.findings[0].code, "lit-model");
+}
+
 #[test]
 fn models_that_do_not_fit_together_are_refused() {
     type Spoil = fn(&mut LitData);

@@ -41,7 +41,10 @@ fn encode(root: &Root, bin: Vec<u8>, out: &mut impl Write) -> io::Result<()> {
     }
     let header = gltf::binary::Header { magic: *b"glTF", version: 2, length: 0 };
     let bin = (!bin.is_empty()).then_some(bin.into());
-    Glb { header, json: json.into(), bin }.to_writer(out).map_err(io::Error::other)
+    Glb { header, json: json.into(), bin }.to_writer(out).map_err(|error| match error {
+        gltf::Error::Io(error) => error,
+        other => io::Error::other(other),
+    })
 }
 
 /// The JSON and the binary part of the file.
@@ -227,9 +230,16 @@ impl Assembly {
     fn add_material(&mut self, model: &LitModel, surface: usize) -> io::Result<Index<json::Material>> {
         let surface = &model.surfaces[surface];
         let unlit = json::extensions::material::Material { unlit: Some(Unlit {}), ..Default::default() };
+        // For those who know no unlit materials: glTF's own defaults are those of a metal.
+        let diffuse = json::material::PbrMetallicRoughness {
+            metallic_factor: json::material::StrengthFactor(0.0),
+            roughness_factor: json::material::StrengthFactor(1.0),
+            ..Default::default()
+        };
         Ok(self.root.push(json::Material {
             name: Some(surface.material.clone()),
             double_sided: surface.two_sided,
+            pbr_metallic_roughness: diffuse,
             extensions: Some(unlit),
             extras: extras(MaterialExtras { reflectance: &surface.reflectance, two_sided: surface.two_sided })?,
             ..json::Material::default()

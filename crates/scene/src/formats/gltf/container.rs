@@ -51,6 +51,11 @@ pub(super) fn open(bytes: &[u8]) -> Result<(Root, Option<&[u8]>), Fault> {
 
 /// Says what is wrong with JSON that does not fit, the version first: glTF 1 differs throughout.
 fn unreadable(text: &[u8], error: &json::Error) -> Fault {
+    if error.to_string().starts_with("number out of range") {
+        let (line, column) = (error.line(), error.column());
+        let place = format!("the number that ends at line {line}, column {column}");
+        return fault("JSON", format!("{place} is out of range; correct it to one below 3.4e38"));
+    }
     let value: Option<serde_json::Value> = serde_json::from_slice(text).ok();
     let version = value.as_ref().and_then(|value| value["asset"]["version"].as_str());
     match version.map(refuse_version) {

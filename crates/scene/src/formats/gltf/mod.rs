@@ -162,11 +162,20 @@ impl<'a> Reader<'a> {
 
     fn finish(mut self, name: String) -> Scene {
         self.scene.name = name;
-        self.scene.findings = self.materials.into_findings();
+        self.scene.findings = lit_model(self.document.root).into_iter().collect();
+        self.scene.findings.extend(self.materials.into_findings());
         self.scene.findings.extend(self.roll.into_findings());
         self.scene.findings.extend(ignored_extensions(self.document.root));
         self.scene
     }
+}
+
+/// A finding for files that hold a solution, as their `extras.radiosity` says.
+fn lit_model(root: &json::Root) -> Option<Finding> {
+    let extras: serde_json::Value = serde_json::from_str(root.extras.as_ref()?.get()).ok()?;
+    let message = "the file is a lit model: a solution already, whose colours are light and not paint; draw it with \
+                   radiosity render, or solve the scene that it was made from";
+    extras.get("radiosity").map(|_| Finding::error("lit-model", "", message))
 }
 
 /// A finding for extensions that change what is seen and that are not read.
