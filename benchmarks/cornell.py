@@ -148,9 +148,7 @@ def pool(rungs: Iterable[Rung]) -> Ladder:
     ]
 
 
-def _pooled(
-    average: Callable[[list[float]], float], values: Iterable[float | None]
-) -> float | None:
+def _pooled(average: Callable[[list[float]], float], values: Iterable[float | None]) -> float | None:
     known = [v for v in values if v is not None]
     return average(known) if known else None
 

@@ -1,4 +1,4 @@
-"""This engine on the Cornell reference; prints one JSON line per accuracy asked for.
+"""The engine of this repository on the Cornell reference; prints one JSON line per accuracy asked for.
 
     python -m engine [--accuracies 0.05 0.02 0.01] [--repetitions 4] [--threads 2] [--seed 1]
 
@@ -14,8 +14,8 @@ from statistics import mean, median
 from time import perf_counter, process_time
 
 import numpy as np
-import radiosity
 
+import radiosity
 from peers.reference import (
     Array,
     Face,
@@ -105,9 +105,7 @@ def face_arrays(face: Face, ref: Reference) -> FaceArrays:
 def run(ref: Reference, grid: list[FaceArrays], accuracy: float, threads: int, seed: int) -> Run:
     """One solution from arrays in memory."""
     start, cpu_start = perf_counter(), process_time()
-    scene = radiosity.Scene(
-        [radiosity.Surface(f.vertices, f.quads, f.reflectance, f.exitance, f.name) for f in grid]
-    )
+    scene = radiosity.Scene([radiosity.Surface(f.vertices, f.quads, f.reflectance, f.exitance, f.name) for f in grid])
     patches = scene.patches(as_is=True)
     solve_start = perf_counter()
     solution = radiosity.solve(patches, accuracy=accuracy, threads=threads, seed=seed)

@@ -18,8 +18,8 @@ from dataclasses import asdict, dataclass
 from time import perf_counter
 
 import numpy as np
-import radiosity
 
+import radiosity
 from ladder import table
 from machine import describe
 
@@ -76,9 +76,7 @@ def measure(count: int, args: argparse.Namespace) -> Size:
     start = perf_counter()
     patches = scene.patches(count=count)
     meshed = perf_counter()
-    solution = radiosity.solve(
-        patches, accuracy=args.accuracy, threads=args.threads, seed=args.seed
-    )
+    solution = radiosity.solve(patches, accuracy=args.accuracy, threads=args.threads, seed=args.seed)
     irradiance, error = np.asarray(solution.irradiance), np.asarray(solution.error)
     solved = perf_counter()
     return Size(

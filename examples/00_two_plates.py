@@ -23,22 +23,25 @@ def opposite_rectangles(x: float, y: float) -> float:
 
 
 exact = opposite_rectangles(1.0, 1.0)  # 0.19982490
-scene = radiosity.scenes.two_plates(1, 1, 1, reflectance=(0, 0), emission=(HOT, WARM))
 
-# One patch per plate: one form factor.
-F = radiosity.form_factors(scene.patches(as_is=True), rays=1 << 16)
-print(f"form factor  {F.row(0)[1]:.6f}, exact {exact:.6f}")
-assert abs(F.row(0)[1] - exact) < 4 * math.sqrt(exact * (1 - exact) / (2 << 16))  # plain Monte Carlo does no worse
+# One patch per plate: one form factor and two equations, B1 = E1 + rho1 f B2 and B2 = E2 + rho2 f B1.
+grey = radiosity.scenes.two_plates(1, 1, 1, reflectance=(0.3, 0.6), emission=(HOT, WARM)).patches(as_is=True)
+F = radiosity.form_factors(grey, rays=1 << 16)
+f = F.row(0)[1]
+print(f"form factor {f:.6f}, exact {exact:.6f}")
+assert abs(f - exact) < 4 * math.sqrt(exact * (1 - exact) / (2 << 16))  # plain Monte Carlo does no worse
+B = radiosity.solve(grey, transport=F).radiosity[:, 0]
+assert math.isclose(B[0], (HOT + 0.3 * f * WARM) / (1 - 0.3 * 0.6 * f * f), rel_tol=1e-6)
 
-# Many patches: the heat that goes from the hot plate to the warm one, A F (E1 - E2).
-patches = scene.patches(max_edge=0.1)
+# Many patches, black: the lower plate sends F E1 to the upper one, which sends E2 away.
+patches = radiosity.scenes.two_plates(1, 1, 1, reflectance=(0, 0), emission=(HOT, WARM)).patches(max_edge=0.1)
 solution = radiosity.solve(patches, accuracy=0.005)
 warm = patches.surface == 1
 net = patches.area[warm] @ (solution.irradiance - solution.emission)[warm, 0]
 expected = exact * HOT - WARM
-print(f"net heat of the warm plate  {net:.0f} W, exact {expected:.0f} W")
+print(f"net heat of the warm plate {net:.0f} W, exact {expected:.0f} W")
 assert abs(net - expected) < 4 * 0.005 * exact * HOT
 
-view = radiosity.Camera.look_at([2.0, 0.5, 2.5], [0.5, 0.5, 0.5])
+view = radiosity.Camera.look_at([0.5, -1.2, 0.5], [0.5, 0.5, 0.5], up=(0, 0, 1))
 image = render(solution, view, width=600, height=450, show="irradiance")
 save_image(OUT / "two_plates.png", image, false_colours=True)

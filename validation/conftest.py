@@ -1,4 +1,4 @@
-"""Shared pieces of the validation suite: is it true?"""
+"""Shared pieces of the validation suite, which asks whether it is true."""
 
 from __future__ import annotations
 

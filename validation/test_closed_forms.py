@@ -129,7 +129,26 @@ def test_mean_indirect_irradiance_in_a_closed_room() -> None:
     assert abs(solution.report.imbalance) < 0.003
 
 
-def test_facing_discs_of_light_do_not_depend_on_the_unit_of_length() -> None:
+def test_a_box_of_light_in_the_middle_of_a_black_room_sends_all_its_power() -> None:
+    # Coordinates are finest in the middle, where the lamp is, and coarsest at the walls, where rays to it start.
+    from itertools import product  # noqa: PLC0415
+
+    surfaces = []
+    for half, inward, emission, cells in ((2.0, True, 0.0, 6), (0.3, False, 250.0, 2)):
+        for axis, sign in product(range(3), (-1.0, 1.0)):
+            n = np.zeros(3)
+            n[axis] = -sign if inward else sign
+            u = np.roll([1.0, 0.0, 0.0], axis + 1) * 2 * half
+            v = np.cross(n, u)
+            origin = sign * half * np.roll([1.0, 0.0, 0.0], axis) - 0.5 * (u + v)
+            surfaces.append(rectangle(origin, u, v, 0.0, emission, f"{half} {axis} {sign}", (cells, cells)))
+    solution = radiosity.solve(radiosity.Scene(surfaces).patches(as_is=True), accuracy=0.01, seed=1)
+    walls = np.arange(len(surfaces))[solution.patches.surface] < 6
+    received = float(solution.patches.area[walls] @ solution.irradiance[walls, 0])
+    assert received == pytest.approx(250.0 * 6 * 0.6**2, rel=0.003)
+
+
+def test_the_answer_does_not_depend_on_the_unit_of_length() -> None:
     results = []
     for scale in (1e-3, 1.0, 1e4):
         scene, _ = two_rectangles("touching")

@@ -23,7 +23,12 @@ def keyhole() -> radiosity.Scene:
         rectangle([0.4, 0.4, 0.99], [0, 0.2, 0], [0.2, 0, 0], 0.0, 100.0, name="lamp"),
     ]
     # The partition at x = 1 with a hole of 0.25 x 0.25 in its middle, from four strips.
-    strips = [((0, 0), (1, 0.375)), ((0, 0.625), (1, 0.375)), ((0, 0.375), (0.375, 0.25)), ((0.625, 0.375), (0.375, 0.25))]
+    strips = [
+        ((0, 0), (1, 0.375)),
+        ((0, 0.625), (1, 0.375)),
+        ((0, 0.375), (0.375, 0.25)),
+        ((0.625, 0.375), (0.375, 0.25)),
+    ]
     for k, ((y, z), (dy, dz)) in enumerate(strips):
         strip = rectangle([1, y, z], [0, dy, 0], [0, 0, dz], rho, name=f"partition {k}", cells=(4, 3))
         strip.two_sided = True

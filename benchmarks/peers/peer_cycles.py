@@ -64,9 +64,7 @@ class Lightmap:
         self.shape, self.k = ref["E"].shape, k
         self.placed, self.height = pack(faces(ref), k)
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        self.image = bpy.data.images.new(
-            "lightmap", WIDTH, self.height, float_buffer=True, is_data=True
-        )
+        self.image = bpy.data.images.new("lightmap", WIDTH, self.height, float_buffer=True, is_data=True)
         scale = METRES / np.ptp(ref["quads"].reshape(-1, 3), axis=0).max()
         self.build(scale)
 

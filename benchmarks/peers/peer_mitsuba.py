@@ -57,9 +57,7 @@ def start_backend(threads: int) -> None:
     version = dr.detail.llvm_version()
     if version < OLDEST_LLVM:
         found = ".".join(map(str, version))
-        raise SystemExit(
-            f"LLVM {found} is too old for Dr.Jit; install libllvm19 or set DRJIT_LIBLLVM_PATH"
-        )
+        raise SystemExit(f"LLVM {found} is too old for Dr.Jit; install libllvm19 or set DRJIT_LIBLLVM_PATH")
 
 
 def scene_of(all_faces: list[Face]) -> Any:
@@ -215,9 +213,7 @@ class Wavefront:
         jitter = self.sampler.next_2d()
         a = (mi.Float(stratum % side) + jitter.x) / side
         b = (mi.Float(stratum // side) + jitter.y) / side
-        corner, u, v, normal = (
-            dr.gather(mi.Point3f, p, patch) for p in (self.corner, self.u, self.v, self.normal)
-        )
+        corner, u, v, normal = (dr.gather(mi.Point3f, p, patch) for p in (self.corner, self.u, self.v, self.normal))
         origin = corner + a * u + b * v + self.above * normal
         return mi.RayDifferential3f(mi.Ray3f(origin, -mi.Vector3f(normal)))
 

@@ -107,9 +107,7 @@ def rel_rms(irradiance: Array, ref: Reference) -> float:
     Emitting patches are left out: no renderer bakes light onto a black emitter.
     """
     m = passive(ref)
-    return weighted_rms(irradiance[m] - ref["E"][m], ref["area"][m]) / weighted_mean(
-        ref["E"][m], ref["area"][m]
-    )
+    return weighted_rms(irradiance[m] - ref["E"][m], ref["area"][m]) / weighted_mean(ref["E"][m], ref["area"][m])
 
 
 def weighted_rms(values: Array, area: Array) -> float:
@@ -137,9 +135,7 @@ def ladder_arguments(description: str, samples: list[int]) -> argparse.ArgumentP
     return parser
 
 
-def climb(
-    solve: Callable[[int, int], Array], ref: Reference, args: argparse.Namespace, settings: str
-) -> None:
+def climb(solve: Callable[[int, int], Array], ref: Reference, args: argparse.Namespace, settings: str) -> None:
     """Time ``solve(samples, seed)`` on every rung of the ladder and print a line for each.
 
     ``settings`` describes a rung; ``{}`` in it stands for the number of samples.

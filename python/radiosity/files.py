@@ -55,10 +55,9 @@ class LitModel:
     def of(cls, solution: Solution) -> LitModel:
         """The lit model of a solution."""
         patches, scene = solution.patches, solution.patches.scene
-        bands = len(scene.bands)
         surfaces = [
-            (s.name, s.material, [float(r) for r in np.broadcast_to(np.asarray(s.reflectance, float), (bands,))], False)
-            for s in scene.surfaces
+            (s.name, s.material, reflectance, False)
+            for s, reflectance in zip(scene.surfaces, _surface_reflectance(solution), strict=True)
         ]
         back = np.flatnonzero(patches.two_sided)
         if not len(back):
@@ -81,6 +80,14 @@ class LitModel:
         blocks = [np.ascontiguousarray(v) for v in (self.emission, self.irradiance, self.radiosity, self.error)]
         cameras = [c._tuple() for c in self.cameras]
         return self.patches, self.surfaces, self.bands, blocks, cameras, json.dumps(self.report)
+
+
+def _surface_reflectance(solution: Solution) -> list[list[float]]:
+    """Mean over its patches of each surface's reflectance in the solution, which relighting may have changed."""
+    surface, n = solution.patches.surface, len(solution.patches.scene.surfaces)
+    count = np.bincount(surface, minlength=n)
+    sums = np.stack([np.bincount(surface, band, n) for band in solution.reflectance.T], axis=1)
+    return [[float(r) for r in row] for row in sums / np.maximum(count, 1)[:, None]]
 
 
 def _with_backs(
@@ -154,14 +161,19 @@ def _save_arrays(solution: Solution, path: Path) -> None:
 
 
 def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:
-    """Write a file that appears under its name when it is complete and on the disk, or not at all."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent or Path(), prefix=f".{path.name}.")
+    """Write a file that appears under its name when it is complete and on the disk, or not at all.
+
+    A link is followed, and a file that is replaced hands down its permissions.
+    """
+    path = path.resolve()
+    mode = path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~_umask()
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".radiosity-", suffix=".part")
     try:
         with os.fdopen(handle, "wb") as file:
             write(file)
             file.flush()
             os.fsync(file.fileno())
-        Path(temporary).chmod(0o666 & ~_umask())
+        Path(temporary).chmod(mode)
         Path(temporary).replace(path)
     except BaseException:
         Path(temporary).unlink(missing_ok=True)

@@ -83,7 +83,7 @@ class Report:
             ("escaped", powers(self.escaped)),
             ("lost on backs", powers(self.lost_on_backs)),
             ("energy imbalance", f"{self.imbalance:+.3%}"),
-            ("closure", f"row sums {self.closure_min:.4f} to {self.closure_max:.4f}, mean {self.closure_mean:.4f};"
+            ("closure", f"raw row sums {self.closure_min:.4f} to {self.closure_max:.4f}, mean {self.closure_mean:.4f};"
                         f" {self.escape_share:.2%} of rays escape"),
             ("patches", f"{self.patches:,} ({self.sides:,} sides, {self.luminaires:,} luminaires)"),
             ("rays", f"{self.rays:,} + {self.shadow_rays:,} to luminaires, in {self.rounds} rounds"),

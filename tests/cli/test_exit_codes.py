@@ -34,6 +34,8 @@ def test_done(run: Runner) -> None:
         (["solve", *QUICK, "--accuracy", 0], "accuracy must be a positive number such as 0.01, not 0"),
         (["solve", *QUICK, "--solver", "magic"], "there is no solver 'magic'; choose one of conjugate_gradient"),
         (["solve", *QUICK, "--memory", "lots"], "'lots' is no size of memory: write a number and a unit"),
+        (["solve", *QUICK, "--seed", 2**64], "'--seed'"),
+        (["solve", "builtin:furnace", "--patches", 2**64], "'--patches'"),
         (["solve", *QUICK, "--unit", "mm"], "built-in scenes are in metres: leave out --unit"),
         (["solve", "builtin:attic"], "there is no built-in scene 'attic': choose one of cornell-box, "),
         (["solve", "builtin:furnace", "--max-edge", -1], "--max-edge must be a positive number of metres, not -1"),

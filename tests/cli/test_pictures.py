@@ -64,6 +64,21 @@ def test_a_lit_model_is_not_lit_again(run: Runner, tmp_path: Path) -> None:
     assert "metallic-material" not in {finding["code"] for finding in findings}
 
 
+def test_a_lit_model_takes_no_unit(run: Runner) -> None:
+    run("solve", *QUICK, "-o", "lit.glb")
+    done = run("render", "lit.glb", "-o", "lit.png", *SMALL, "--unit", "mm")
+    assert (done.returncode, done.stderr) == (2, "radiosity: lit models are in metres: leave out --unit\n")
+
+
+def test_the_angle_of_view_holds_without_a_camera(run: Runner, tmp_path: Path) -> None:
+    (tmp_path / "lamp.mtl").write_text("newmtl lamp\nKd 0.5 0.5 0.5\nKe 1 1 1\n")
+    square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+    (tmp_path / "lamp.obj").write_text(f"mtllib lamp.mtl\n{square}usemtl lamp\nf 1 2 3 4\n")
+    for name, angle in [("far", 90), ("near", 10)]:
+        assert run("render", "lamp.obj", "-o", f"{name}.png", *SMALL, "--fov", angle).returncode == 0
+    assert np.mean(picture(tmp_path / "near.png") > 0) > 2 * np.mean(picture(tmp_path / "far.png") > 0)
+
+
 def test_the_source_is_not_overwritten(run: Runner, tmp_path: Path) -> None:
     run("solve", *QUICK, "-o", "lit.glb")
     before = (tmp_path / "lit.glb").read_bytes()

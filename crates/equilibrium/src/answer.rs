@@ -14,7 +14,7 @@ pub(crate) struct Answer {
     pub by_rays: Vec<f64>,
     /// Irradiance of each replicate that came straight from luminaires: sides x replicates x bands.
     pub by_lights: Vec<f64>,
-    /// What the variation of radiosity within sides changed, per side and band.
+    /// The error that constant radiosity on elements leaves, per side and band: a share of what elements changed.
     pub by_elements: Vec<f64>,
     /// Mean over replicates.
     pub irradiance: Vec<f64>,
@@ -39,6 +39,10 @@ const SIDES_PER_TASK: usize = 32;
 
 /// Bounces on elements after the solve on sides: each takes the error of seeing whole sides to the next order.
 const SWEEPS: usize = 2;
+
+/// The error left by halving sides 0, 1, 2, 3 times as a share of the change that made: first order in the size of
+/// elements, which is the worst case. A lamp, which is not halved, does not vary.
+const ERROR_LEFT: [f64; 4] = [0.0, 0.5, 0.25, 0.125];
 
 /// Values per band of some element, side or luminaire, for `C` bands at a time.
 type Values<const C: usize> = [f64; C];
@@ -68,6 +72,13 @@ impl Task<'_> {
             *h = ratio(*h, area[k / self.lighting.bands]) + incident[k];
         }
         Ok(answer)
+    }
+
+    /// `B = E + rho H`, sides x bands.
+    pub fn radiosity(&self, irradiance: &[f64]) -> Vec<f64> {
+        let emission = self.per_side(|p| self.lighting.emission_of(p));
+        let reflectance = self.per_side(|p| self.lighting.reflectance_of(p));
+        emission.iter().zip(&reflectance).zip(irradiance).map(|((e, rho), h)| e + rho * h).collect()
     }
 
     fn finish_all(
@@ -180,7 +191,7 @@ impl Task<'_> {
                 _ if self.transport().is_lamp(side) => 0,
                 0..64 => 0,
                 64..256 => 1,
-                256..4096 => 2,
+                256..2048 => 2,
                 _ => 3,
             }
         };
@@ -328,9 +339,10 @@ impl Task<'_> {
             for shot in self.transport().shots().replicate(side, r).flatten() {
                 if let Some(e) = self.seen_by_ray(elements, shot) {
                     let (value, mean) = (&fine.elements[e], &fine.sides[shot.target as usize]);
+                    let left = ERROR_LEFT[elements.level(shot.target as usize) as usize];
                     for c in 0..C {
                         rays[c] += value[c];
-                        g.by_elements[c] += value[c] - mean[c];
+                        g.by_elements[c] += left * (value[c] - mean[c]);
                     }
                 }
             }

@@ -1,17 +1,14 @@
 //! How wrong an answer is, from the answer itself.
 //!
-//! Three parts add in squares. The spread of the replicates is the standard error of a side's own samples. The same
+//! Four parts add in squares. The spread of the replicates is the standard error of a side's own samples. The same
 //! spread, sent through the interreflections, is what the noise of other sides adds (first-order perturbation:
-//! `dH = dF B + F rho dH`). What replacing sides by elements changed bounds what still finer elements would change.
+//! `dH = dF B + F rho dH`). Power that the balance cannot explain is an error of the whole. What replacing sides by elements changed bounds what still finer elements would change.
 
 use crate::answer::{Answer, Task, ratio};
+use crate::energy::Energy;
 use crate::lighting::mean;
 use crate::plan::RATE;
 use radiosity_operator::{Cancelled, Operator};
-
-/// The error left by elements as a share of the change they made: between a fourth (halving twice, first order) and
-/// a sixteenth (second order) in theory; the larger is used.
-const ELEMENT_SHARE: f64 = 0.25;
 
 /// Noise is followed through this many bounces at most, and no further once it changes by less than this share.
 const MOST_BOUNCES: usize = 60;
@@ -33,6 +30,8 @@ pub(crate) struct Estimate {
     pub relative_elements: f64,
     /// Area-weighted mean irradiance over bands.
     pub mean_irradiance: f64,
+    /// The balance of power.
+    pub energy: Energy,
 }
 
 pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancelled> {
@@ -60,15 +59,18 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
     let carried = carry(task, &deviation, replicates)?;
     let area = |side: usize| task.measurement.transport.enclosure().area(side);
     let total_area: f64 = (0..sides).map(area).sum();
-    let (mut sampling, mut elements, mut level) = (0.0, 0.0, 0.0);
+    let energy = Energy::of(task, &answer.irradiance);
+    let (mut all, mut sampling, mut elements, mut level) = (0.0, 0.0, 0.0, 0.0);
     let mut standard_error = vec![0.0; sides * bands];
-    for side in 0..sides {
+    for (side, carried) in carried.iter().enumerate() {
         let weight = area(side) / (total_area * bands as f64);
         for b in 0..bands {
             let k = side * bands + b;
-            let by_sampling = own[k] + carried[side];
-            let by_elements = (ELEMENT_SHARE * answer.by_elements[k]).powi(2);
-            standard_error[k] = (by_sampling + by_elements).sqrt();
+            let by_sampling = own[k] + carried;
+            let by_elements = answer.by_elements[k].powi(2);
+            let unexplained = (energy.imbalance * answer.irradiance[k]).powi(2);
+            standard_error[k] = (by_sampling + by_elements + unexplained).sqrt();
+            all += weight * (by_sampling + by_elements + unexplained);
             sampling += weight * by_sampling;
             elements += weight * by_elements;
             level += weight * answer.irradiance[k];
@@ -78,10 +80,11 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
         standard_error,
         ray_variance,
         light_variance,
-        relative: ratio((sampling + elements).sqrt(), level),
+        relative: ratio(all.sqrt(), level),
         relative_sampling: ratio(sampling.sqrt(), level),
         relative_elements: ratio(elements.sqrt(), level),
         mean_irradiance: level,
+        energy,
     })
 }
 

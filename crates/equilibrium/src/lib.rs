@@ -6,13 +6,14 @@
 //!
 //! 1. **Sample** the exchange: rays from every side, area samples of the lamps, in independent replicates.
 //! 2. **Solve** `B = E + rho F B` on whole sides with the symmetric operator (conjugate gradient).
-//! 3. **Sweep** once: every element (a quarter or sixteenth of a side) gathers through its own rays, so that light
+//! 3. **Sweep** twice: every element (a quarter or sixteenth of a side) gathers through its own rays, so that light
 //!    which varies within a patch is seen by others as it varies.
 //! 4. **Gather** once more for the answer, through each side's own rays, replicate by replicate.
 //! 5. **Estimate** the error from the spread of the replicates, carried through the interreflections, and from what
 //!    the elements changed. While it is too large, spend rays where they reduce it most.
 
 pub mod answer;
+pub mod energy;
 pub mod error;
 pub mod lighting;
 pub mod plan;
@@ -20,6 +21,7 @@ pub mod report;
 pub mod solve;
 pub mod transport;
 
+pub use energy::Energy;
 pub use lighting::{Lamp, Lighting};
 pub use report::{Limit, Report};
 pub use solve::{Closure, Failure, Measurement, Method, Settings, Solution, relight, solve};

@@ -54,6 +54,11 @@ impl Lighting {
         &self.emission[patch * self.bands..(patch + 1) * self.bands]
     }
 
+    /// The largest reflectance of any patch and band.
+    pub fn highest_reflectance(&self) -> f64 {
+        self.reflectance.iter().fold(0.0, |a: f64, &b| a.max(b))
+    }
+
     /// Chooses what is sampled by area: strong emitters and every light without area, in a fixed order.
     pub fn luminaires(&self, enclosure: &Enclosure) -> Luminaires {
         let patches = enclosure.patches();

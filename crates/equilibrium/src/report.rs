@@ -1,5 +1,7 @@
 //! What a solve says about itself.
 
+use crate::energy::Energy;
+
 /// What kept an answer from being more accurate than it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
@@ -59,22 +61,10 @@ pub struct Report {
     pub residual: f64,
     /// Whether the last solve converged.
     pub converged: bool,
-    /// Power emitted by surfaces.
-    pub emitted: Vec<f64>,
-    /// Power that lights without area put on surfaces.
-    pub from_lights: Vec<f64>,
-    /// Power absorbed by the sides.
-    pub absorbed: Vec<f64>,
-    /// Power that left the scene.
-    pub escaped: Vec<f64>,
-    /// Power absorbed by black backs of one-sided patches, and emitted where a solid stands on a patch.
-    pub lost_on_backs: Vec<f64>,
-    /// Power in less power out, relative to power in, the worst band.
-    pub imbalance: f64,
+    /// Where the power went.
+    pub energy: Energy,
     /// Least, mean (by area) and greatest raw row sum of the form factors.
     pub closure: (f64, f64, f64),
-    /// The share of rays that left the scene.
-    pub escape_share: f64,
     /// The worst relative deviation of row sums from their targets after balancing.
     pub closure_residual: f64,
     /// Bytes held by geometry, samples and operator at the end.

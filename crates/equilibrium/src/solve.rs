@@ -7,7 +7,7 @@ use crate::plan::{Kind, plan};
 use crate::report::{Limit, Report, Seconds};
 use crate::transport::Transport;
 use radiosity_exchange::operator::ElementExchange;
-use radiosity_exchange::{Elements, Enclosure, Shot};
+use radiosity_exchange::{Elements, Enclosure};
 use radiosity_operator::{Cancelled, Control};
 use radiosity_solvers::{SolveOptions, Stop, conjugate_gradient, jacobi};
 use std::sync::Arc;
@@ -122,11 +122,13 @@ impl Measurement {
     }
 
     /// Builds the operator of a share of the samples, rows scaled to their known sums.
-    fn balanced(transport: Transport, settings: &Settings) -> Self {
-        let balance = match settings.closure {
-            Closure::Balanced => (0.1 * settings.accuracy.min(0.1), 12),
-            Closure::Exact => (1e-9, 500),
+    fn balanced(transport: Transport, lighting: &Lighting, settings: &Settings) -> Self {
+        // What rows lack is lost at every bounce: it counts 1 / (1 - rho) times.
+        let tolerance = match settings.closure {
+            Closure::Balanced => 0.1 * settings.accuracy.min(0.1) * (1.0 - lighting.highest_reflectance()),
+            Closure::Exact => 1e-9,
         };
+        let balance = (tolerance, MOST_BALANCINGS);
         let exchange = transport.on(&Elements::whole(transport.enclosure()), THINNING, Some(balance));
         Self { transport, exchange, thinning: THINNING, is_raw: false }
     }
@@ -138,6 +140,9 @@ const REPLICATES: usize = 4;
 /// The operator is built from one ray in this many: the noise it leaves in the radiosity of single sides averages out
 /// in the gather, which uses all rays, and the error estimate accounts for it.
 const THINNING: u32 = 4;
+
+/// Symmetric scaling converges within tens of iterations on rooms; two facing plates take more.
+const MOST_BALANCINGS: usize = 500;
 
 /// Far beyond what reflectances below 0.999 need.
 const MOST_ITERATIONS: usize = 100_000;
@@ -177,7 +182,7 @@ pub fn solve(
         transport.refine(&wanted.0, &wanted.1, control)?;
         seconds.sampling += before.elapsed().as_secs_f64();
         let before = Instant::now();
-        let measurement = Measurement::balanced(transport, settings);
+        let measurement = Measurement::balanced(transport, lighting, settings);
         let task = task(&measurement, lighting, settings, control);
         let answer = task.answer()?;
         let estimate = estimate(&task, &answer)?;
@@ -187,7 +192,7 @@ pub fn solve(
             Step::Stop(limit) => {
                 seconds.total = start.elapsed().as_secs_f64();
                 let report = Report { rounds, seconds, ..report(&task, &answer, &estimate, settings, limit) };
-                let radiosity = radiosity(&task, &answer);
+                let radiosity = task.radiosity(&answer.irradiance);
                 return Ok(solution(answer, radiosity, estimate, report, Arc::new(measurement)));
             }
         }
@@ -214,7 +219,7 @@ pub fn relight(
     let total = start.elapsed().as_secs_f64();
     let seconds = Seconds { sampling: 0.0, solving: total, total };
     let report = Report { seconds, ..report(&task, &answer, &estimate, settings, limit) };
-    let radiosity = radiosity(&task, &answer);
+    let radiosity = task.radiosity(&answer.irradiance);
     Ok(solution(answer, radiosity, estimate, report, measurement.clone()))
 }
 
@@ -254,7 +259,7 @@ fn task<'a>(
     control: &'a Control,
 ) -> Task<'a> {
     // The error of B is at most the residual over 1 - rho.
-    let highest = lighting.reflectance.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let highest = lighting.highest_reflectance();
     let tolerance = match settings.closure {
         Closure::Balanced => 0.02 * settings.accuracy.min(0.1) * (1.0 - highest),
         Closure::Exact => 1e-9 * (1.0 - highest),
@@ -277,7 +282,10 @@ fn next(transport: &Transport, estimate: &Estimate, settings: &Settings, most: u
         return Step::Stop(Limit::Accuracy);
     }
     // Leave sampling what elements do not take; if they take nearly all, more rays are wasted.
-    let allowed = settings.accuracy.powi(2) - estimate.relative_elements.powi(2);
+    // Many more rays will resolve elements of half the size.
+    let finer = if estimate.relative_sampling > 2.0 * settings.accuracy { 0.5 } else { 1.0 };
+    let fixed = estimate.relative_elements.hypot(estimate.energy.imbalance);
+    let allowed = settings.accuracy.powi(2) - (finer * fixed).powi(2);
     let patch_size = allowed < 0.25 * settings.accuracy.powi(2);
     if patch_size && estimate.relative_sampling <= 0.5 * settings.accuracy {
         return Step::Stop(Limit::PatchSize);
@@ -325,25 +333,10 @@ fn doubled(counts: &[u32], most: u32) -> Vec<u32> {
     counts.iter().map(|&n| (2 * n).min(most)).collect()
 }
 
-/// `B = E + rho H`.
-fn radiosity(task: &Task, answer: &Answer) -> Vec<f64> {
-    let bands = task.lighting.bands;
-    answer
-        .irradiance
-        .iter()
-        .enumerate()
-        .map(|(k, h)| {
-            let patch = task.measurement.transport.enclosure().patch_of(k / bands);
-            task.lighting.emission_of(patch)[k % bands] + task.lighting.reflectance_of(patch)[k % bands] * h
-        })
-        .collect()
-}
-
 fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings, limit: Limit) -> Report {
     let Measurement { transport, exchange, .. } = task.measurement;
-    let (enclosure, bands) = (transport.enclosure(), task.lighting.bands);
-    let radiosity = radiosity(task, answer);
-    let mut r = Report {
+    let enclosure = transport.enclosure();
+    Report {
         accuracy: settings.accuracy,
         limited_by: Some(limit),
         estimated_error: estimate.relative,
@@ -354,71 +347,16 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
         luminaires: transport.luminaires().len(),
         rays: transport.shots().total() as u64,
         shadow_rays: transport.lights().total() as u64,
+        rounds: 0,
         iterations: answer.solver.iterations,
         residual: answer.solver.residuals.last().copied().unwrap_or(0.0),
         converged: answer.solver.stop == Stop::Converged,
-        emitted: vec![0.0; bands],
-        from_lights: vec![0.0; bands],
-        absorbed: vec![0.0; bands],
-        escaped: vec![0.0; bands],
-        lost_on_backs: vec![0.0; bands],
+        energy: estimate.energy.clone(),
+        closure: closure(exchange),
         closure_residual: exchange.imbalance,
         memory_bytes: enclosure.memory_bytes() + transport.memory_bytes() + exchange.operator.memory_bytes(),
-        ..Report::default()
-    };
-    let from_lights = task.incident_power();
-    let (mut rays, mut escaped) = (0.0, 0.0);
-    for side in 0..enclosure.sides() {
-        let patch = enclosure.patch_of(side);
-        let area = enclosure.area(side);
-        let share = fates(transport, side);
-        rays += share.total;
-        escaped += share.total * share.escaped;
-        for b in 0..bands {
-            let k = side * bands + b;
-            let emission = task.lighting.emission_of(patch)[b];
-            let absorbed = (1.0 - task.lighting.reflectance_of(patch)[b]) * answer.irradiance[k];
-            r.emitted[b] += area * emission;
-            r.absorbed[b] += area * absorbed;
-            // Buried parts receive nothing: only their own emission is lost there.
-            r.escaped[b] += area * ratio(radiosity[k] - share.buried * emission, 1.0 - share.buried) * share.escaped;
-            r.lost_on_backs[b] += area
-                * (share.buried * emission
-                    + ratio(radiosity[k] - share.buried * emission, 1.0 - share.buried) * share.back);
-        }
+        seconds: Seconds::default(),
     }
-    for b in 0..bands {
-        r.from_lights[b] = from_lights[b];
-    }
-    let balance = |b: usize| {
-        let input = r.emitted[b] + r.from_lights[b];
-        ratio(input - r.absorbed[b] - r.escaped[b] - r.lost_on_backs[b], input)
-    };
-    r.imbalance = (0..bands).map(balance).fold(0.0, |a, b| if b.abs() > a.abs() { b } else { a });
-    r.escape_share = ratio(escaped, rays);
-    r.closure = closure(exchange);
-    r
-}
-
-/// What became of a side's rays.
-struct Fates {
-    total: f64,
-    escaped: f64,
-    back: f64,
-    buried: f64,
-}
-
-fn fates(transport: &Transport, side: usize) -> Fates {
-    let (mut total, mut escaped, mut back, mut buried) = (0u32, 0u32, 0u32, 0u32);
-    for shot in transport.shots().of(side).flatten() {
-        total += 1;
-        escaped += u32::from(shot.target == Shot::ESCAPED);
-        back += u32::from(shot.target == Shot::BACK);
-        buried += u32::from(shot.target == Shot::BURIED);
-    }
-    let total = f64::from(total);
-    let share = |n: u32| ratio(f64::from(n), total);
-    Fates { total, escaped: share(escaped), back: share(back), buried: share(buried) }
 }
 
 fn closure(exchange: &ElementExchange) -> (f64, f64, f64) {

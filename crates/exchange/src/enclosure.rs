@@ -35,15 +35,16 @@ pub struct Enclosure {
     side_patch: Vec<u32>,
     /// Coordinates are taken relative to the middle of the scene, where single precision is finest.
     middle: DVec3,
-    /// Per patch: how far single precision may move a point of it, metres.
-    margin: Vec<f64>,
+    /// How far single precision may move a point of the scene, metres.
+    margin: f64,
     /// Per patch: the factor toward the centroid that keeps a point off the edges by the margin.
     inset: Vec<f64>,
     bounds: (DVec3, DVec3),
 }
 
 /// Rounding of a vertex, of an origin and of their difference, each half a unit in the last place, with a factor of
-/// two in hand: how far off its plane a single-precision point can be, relative to its largest coordinate.
+/// two in hand: how far off its plane the end of a single-precision ray can be, relative to the largest coordinate
+/// that the ray starts from, which may be any in the scene.
 const PLANE_ROUNDING: f64 = 3.0 * f32::EPSILON as f64;
 
 impl Enclosure {
@@ -68,8 +69,8 @@ impl Enclosure {
             *back = side_patch.len() as u32;
             side_patch.push(patch as u32);
         }
-        let margin: Vec<f64> = patches.polygons.iter().map(|p| margin(p, middle)).collect();
-        let inset = (0..patches.len()).map(|i| inset(&patches, i, margin[i])).collect();
+        let margin = PLANE_ROUNDING * 0.5 * (high - low).max_element();
+        let inset = (0..patches.len()).map(|i| inset(&patches, i, margin)).collect();
         Self {
             charts: patches.polygons.iter().map(Chart::new).collect(),
             frames: patches.normal.iter().map(|&n| Frame::new(n)).collect(),
@@ -144,15 +145,17 @@ impl Enclosure {
 
     /// A point just off a side at chart coordinates `(s, t)`: on the outer side of its plane and inside its edges
     /// even after rounding to single precision.
+    #[inline]
     pub fn point_off(&self, side: usize, s: f64, t: f64) -> DVec3 {
         let patch = self.patch_of(side);
         let on = self.charts[patch].point(s, t);
-        on + self.inset[patch] * (self.patches.centre[patch] - on) + self.margin[patch] * self.normal(side)
+        on + self.inset[patch] * (self.patches.centre[patch] - on) + self.margin * self.normal(side)
     }
 
     /// The ray from a point along a direction, without end.
-    pub fn ray(&self, from: DVec3, direction: DVec3) -> Ray {
-        Ray { origin: self.single(from), direction: direction.as_vec3(), t_min: 0.0, t_max: f32::INFINITY }
+    #[inline]
+    pub fn ray(&self, from: DVec3, direction: Vec3) -> Ray {
+        Ray { origin: self.single(from), direction, t_min: 0.0, t_max: f32::INFINITY }
     }
 
     /// The ray that is occluded when anything stands between two points.
@@ -195,10 +198,6 @@ fn bounds(patches: &Patches) -> (DVec3, DVec3) {
         high = high.max(*p);
     }
     if patches.is_empty() { (DVec3::ZERO, DVec3::ZERO) } else { (low, high) }
-}
-
-fn margin(polygon: &[DVec3; 4], middle: DVec3) -> f64 {
-    polygon.iter().map(|p| (*p - middle).abs().max_element()).fold(0.0, f64::max) * PLANE_ROUNDING
 }
 
 /// The inset that moves a point on any edge inward by the margin: the margin over the distance of the centroid from

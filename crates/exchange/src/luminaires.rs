@@ -273,7 +273,7 @@ impl Scratch {
                     (whole, if whole > 0.0 { kernel / whole } else { 0.0 }, enclosure.segment(x, y))
                 }
                 Luminaire::Directional { direction } => {
-                    (pointlike(&luminaires.list[luminaire], x, normal), 1.0, enclosure.ray(x, -direction))
+                    (pointlike(&luminaires.list[luminaire], x, normal), 1.0, enclosure.ray(x, -direction.as_vec3()))
                 }
                 other => (pointlike(&other, x, normal), 1.0, enclosure.segment(x, shape.centre)),
             };

@@ -67,6 +67,7 @@ impl Chart {
     }
 
     /// The point at chart coordinates `(s, t)` in the unit square.
+    #[inline]
     pub fn point(&self, s: f64, t: f64) -> DVec3 {
         match *self {
             Chart::Parallelogram { origin, e1, e2 } => origin + s * e1 + t * e2,
@@ -88,6 +89,7 @@ impl Chart {
 
     /// Chart coordinates of the point with barycentric coordinates `(u, v)` on triangle `abc` (`half` 0) or `acd`
     /// (`half` 1) of the polygon, as a ray reports its hit.
+    #[inline]
     pub fn coordinates(&self, half: usize, u: f64, v: f64) -> (f64, f64) {
         match *self {
             Chart::Parallelogram { .. } => {

@@ -89,6 +89,9 @@ pub fn render(
     Ok(image)
 }
 
+/// How many rays are held in memory at once by each thread, unless a single pixel has more.
+const RAYS_AT_ONCE: usize = 1 << 14;
+
 /// Everything that one picture needs.
 struct View<'a> {
     visible: Visible,
@@ -102,7 +105,15 @@ struct View<'a> {
 
 impl View<'_> {
     fn render_row(&self, row: usize, pixels: &mut [f32]) {
-        let rays: Vec<Ray> = (0..self.settings.width)
+        let columns_at_once = (RAYS_AT_ONCE / self.offsets.len()).max(1);
+        for (i, part) in pixels.chunks_mut(columns_at_once * self.bands).enumerate() {
+            self.render_part(row, i * columns_at_once, part);
+        }
+    }
+
+    /// Renders the pixels of a row from `first` on.
+    fn render_part(&self, row: usize, first: usize, pixels: &mut [f32]) {
+        let rays: Vec<Ray> = (first..first + pixels.len() / self.bands)
             .flat_map(|column| self.offsets.iter().map(move |[x, y]| (column as f64 + x, row as f64 + y)))
             .map(|(x, y)| self.frame.ray(x, y))
             .collect();

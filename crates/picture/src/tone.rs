@@ -35,7 +35,8 @@ impl Exposure {
         let lit = luminances.filter(|&(l, w)| l > 0.0 && l.is_finite() && w > 0.0);
         let factor = match *self {
             Self::Factor(factor) => factor,
-            Self::Stops(stops) => stops.exp2(),
+            // Beyond these, powers of two are no numbers any more.
+            Self::Stops(stops) => stops.clamp(-1000.0, 1000.0).exp2(),
             Self::Percentile(share) => percentile(lit.collect(), share).recip(),
             Self::Key(key) => {
                 let (sum, weight) = lit.fold((0.0, 0.0), |(s, w), (l, v)| (s + v * f64::from(l).ln(), w + v));
@@ -238,6 +239,7 @@ mod tests {
         let image = image(1, &[0.0, 1.0, 4.0, 16.0]);
         assert_eq!(Exposure::Factor(3.0).factor(&image), 3.0);
         assert_eq!(Exposure::Stops(-1.0).factor(&image), 0.5);
+        assert_eq!(Exposure::Stops(5000.0).factor(&image), 1000f64.exp2());
         assert!((Exposure::Key(0.18).factor(&image) - 0.18 / 4.0).abs() < 1e-6);
         assert!((Exposure::Percentile(0.6).factor(&image) - 0.25).abs() < 1e-6);
         let black = self::image(1, &[0.0, 0.0]);

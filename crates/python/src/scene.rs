@@ -112,7 +112,7 @@ impl Scene {
 #[pyfunction]
 #[pyo3(signature = (path, unit=None, two_sided=None))]
 pub fn load(py: Python<'_>, path: PathBuf, unit: Option<&str>, two_sided: Option<bool>) -> PyResult<Scene> {
-    let unit = unit.map_or(Ok(Unit::default()), str::parse).map_err(|e| PyValueError::new_err(format!("{e}")))?;
+    let unit = unit.map_or(Ok(Unit::default()), str::parse).map_err(|e| PyValueError::new_err(e.to_string()))?;
     let options = LoadOptions { unit, two_sided, ..LoadOptions::default() };
     let inner = py.detach(|| radiosity_scene::load(&path, &options)).map_err(errors::scene)?;
     Ok(Scene { inner })

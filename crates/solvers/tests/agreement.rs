@@ -37,14 +37,10 @@ fn direct(g: &[f64], problem: &Problem, band: usize) -> Vec<f64> {
         })
         .collect();
     for p in 0..N {
-        for i in 0..N {
-            if i != p {
-                let f = m[i][p] / m[p][p];
-                for j in p..=N {
-                    let v = m[p][j];
-                    m[i][j] -= f * v;
-                }
-            }
+        let pivot = m[p].clone();
+        for (_, row) in m.iter_mut().enumerate().filter(|(i, _)| *i != p) {
+            let f = row[p] / pivot[p];
+            row.iter_mut().zip(&pivot).for_each(|(x, v)| *x -= f * v);
         }
     }
     (0..N).map(|i| m[i][N] / m[i][i]).collect()

@@ -18,7 +18,7 @@ def factors(
     file: options.SceneFile,
     target: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="Where to save: .npz.")],
     method: Annotated[str, typer.Option(help="How they are found: auto or monte_carlo.")] = "auto",
-    rays: Annotated[int | None, typer.Option(min=1, metavar="N", help="Rays per patch.")] = None,
+    rays: Annotated[int | None, typer.Option(min=1, max=2**32 - 1, metavar="N", help="Rays per patch.")] = None,
     tolerance: Annotated[float | None, typer.Option(help="Wanted standard error of one factor; sets --rays.")] = None,
     max_edge: options.MaxEdge = None,
     patches: options.PatchCount = None,

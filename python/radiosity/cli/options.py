@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from typing import Annotated
 
 import typer
 
 from radiosity.cli.failure import bad_argument
+
+MOST_PATCHES = 50_000_000
+"""The engine's own limit."""
 
 Triple = tuple[float, float, float]
 
@@ -26,7 +30,9 @@ TwoSided = Annotated[
 
 # How it is cut into patches.
 MaxEdge = Annotated[float | None, typer.Option(metavar="METRES", help="Longest edge of a patch.")]
-PatchCount = Annotated[int | None, typer.Option("--patches", min=1, metavar="N", help="About how many patches.")]
+PatchCount = Annotated[
+    int | None, typer.Option("--patches", min=1, max=MOST_PATCHES, metavar="N", help="About how many patches.")
+]
 AsIs = Annotated[bool, typer.Option("--as-is", help="One patch per face of the file.")]
 MaxPatches = Annotated[int | None, typer.Option(min=1, metavar="N", help="The most patches allowed.")]
 
@@ -36,7 +42,7 @@ MaxRays = Annotated[int | None, typer.Option(min=1, max=2**32 - 1, metavar="N", 
 Memory = Annotated[str | None, typer.Option(metavar="SIZE", help="Memory to stay within, such as 4GB or 500MiB.")]
 Solver = Annotated[str, typer.Option(help="How the equations are solved: conjugate_gradient or jacobi.")]
 Threads = Annotated[int | None, typer.Option(min=1, metavar="N", help="Threads to use; all cores by default.")]
-Seed = Annotated[int, typer.Option(min=0, help="The same seed gives the same bytes.")]
+Seed = Annotated[int, typer.Option(min=0, max=2**64 - 1, help="The same seed gives the same bytes.")]
 
 # What is said.
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")]
@@ -55,7 +61,8 @@ def read_size(text: str) -> int:
     if match is None:
         raise bad_argument(f"'{text}' is no size of memory: write a number and a unit, such as 4GB or 500MiB")
     number, prefix, binary = match.groups()
-    return int(float(number) * (1024 if binary else 1000) ** " kmgt".index(prefix.lower() or " "))
+    size = float(number) * (1024 if binary else 1000) ** " kmgt".index(prefix.lower() or " ")
+    return int(min(size, sys.maxsize // 2))
 
 
 def read_triple(text: str, option: str) -> Triple:

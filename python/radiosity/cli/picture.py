@@ -86,6 +86,18 @@ def read_exposure(text: str) -> float | Literal["auto"]:
     return value
 
 
+def aim(lit: LitModel, camera: Camera | None, fov: float | None) -> Camera:
+    """The camera of :func:`choose_camera`, or the renderer's own choice with the angle of view asked for."""
+    from dataclasses import replace
+
+    from radiosity.picture import default_camera
+
+    if camera is not None:
+        return camera
+    camera = default_camera(lit)
+    return camera if fov is None else replace(camera, vertical_fov=math.radians(fov))
+
+
 def choose_camera(
     cameras: Sequence[Camera],
     name: str | None,

@@ -62,7 +62,7 @@ def render(
         picture.choose_camera(scene.cameras, camera, look_from, look_at, fov)
         solution = solve_patches(file, source.cut(file, scene, meshing), effort, quiet=quiet)
         lit = LitModel.of(solution)
-    eye = picture.choose_camera(lit.cameras, camera, look_from, look_at, fov)
+    eye = picture.aim(lit, picture.choose_camera(lit.cameras, camera, look_from, look_at, fov), fov)
     image = picture.render(lit, picture.View(width, height, samples, show, mode, eye, threads), quiet=quiet)
     scale = picture.save(image, lit.bands, outputs, tone)
     if as_json:
@@ -80,15 +80,18 @@ def _open_lit(file: str, unit: str | None) -> LitModel | None:
     """The lit model in FILE; None if it is a scene that is not lit yet.
 
     Raises:
-        Stop: the file is damaged.
+        Stop: the file is damaged, or a lit model is given a unit.
     """
     from radiosity.files import load_lit
 
     path = Path(file)
-    if source.builtin_name(file) is not None or unit is not None or path.suffix.lower() != ".glb" or not path.is_file():
+    if source.builtin_name(file) is not None or path.suffix.lower() != ".glb" or not path.is_file():
         return None
     try:
-        return load_lit(path)
+        lit = load_lit(path)
     except OSError as error:
         why = (error.strerror or str(error)).removeprefix(f"{file}: ")
         raise Stop(ExitCode.INPUT, f"{file}: {why}") from error
+    if lit is not None and unit is not None:
+        raise bad_argument("lit models are in metres: leave out --unit")
+    return lit

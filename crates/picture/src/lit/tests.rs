@@ -128,7 +128,7 @@ fn lit_models_read_as_scenes_are_diffuse_and_known_for_what_they_are() {
 #[test]
 fn models_that_do_not_fit_together_are_refused() {
     type Spoil = fn(&mut LitData);
-    let spoils: [(Spoil, &str); 8] = [
+    let spoils: [(Spoil, &str); 10] = [
         (|d| d.error.truncate(4), "error has 4 values"),
         (|d| d.radiosity[7] = f64::NAN, "radiosity of patch 2 is not finite"),
         (|d| d.irradiance[0] = 1e39, "irradiance of patch 0"),
@@ -136,6 +136,8 @@ fn models_that_do_not_fit_together_are_refused() {
         (|d| d.surfaces[1].reflectance.clear(), "0 reflectances for 3 bands"),
         (|d| d.report_json = "not json".into(), "report is no JSON"),
         (|d| d.cameras[1].vertical_fov = 4.0, "camera 'other'"),
+        (|d| d.cameras[1].vertical_fov = std::f64::consts::PI - 1e-12, "camera 'other'"),
+        (|d| d.cameras[1].aspect = Some(1e300), "camera 'other'"),
         (|d| d.patches.polygons[5][1].x = f64::INFINITY, "not finite"),
     ];
     let folder = tempfile::tempdir().unwrap();

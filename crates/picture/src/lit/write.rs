@@ -342,8 +342,10 @@ fn bounds(positions: &[[f32; 3]]) -> io::Result<(json::Value, json::Value)> {
 fn placement(camera: &Camera) -> Option<DQuat> {
     let back = -camera.forward.try_normalize()?;
     let right = camera.up.cross(back).try_normalize()?;
-    let is_aspect = camera.aspect.is_none_or(|a| a.is_finite() && a as f32 > 0.0);
-    let is_angle = camera.vertical_fov as f32 > 0.0 && camera.vertical_fov < std::f64::consts::PI;
+    // As they will be in the file: single precision may round what is barely possible to what is not.
+    let is_aspect = camera.aspect.is_none_or(|a| (a as f32).is_finite() && a as f32 > 0.0);
+    let angle = f64::from(camera.vertical_fov as f32);
+    let is_angle = angle > 0.0 && angle < std::f64::consts::PI;
     let rotation = DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back));
     (is_aspect && is_angle && camera.position.as_vec3().is_finite() && rotation.is_finite()).then_some(rotation)
 }

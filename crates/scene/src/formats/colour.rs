@@ -19,12 +19,15 @@ pub(super) fn limited(reflectance: [f64; 3], material: &str, roll: &mut Roll) ->
                        such as 0.8";
         roll.warn("reflectance-limited", "material", material, message);
     }
-    reflectance.map(|rho| rho.min(MAX_REFLECTANCE))
+    reflectance.map(|rho| rho.clamp(0.0, MAX_REFLECTANCE))
 }
 
-/// Whether all components lie in [0, 1].
+/// How far exporters in single precision miss 0 and 1.
+const SLACK: f64 = 1e-6;
+
+/// Whether all components lie in [0, 1], but for rounding; [`limited`] takes care of that.
 pub(super) fn is_fraction(colour: [f64; 3]) -> bool {
-    colour.iter().all(|c| (0.0..=1.0).contains(c))
+    colour.iter().all(|c| (-SLACK..=1.0 + SLACK).contains(c))
 }
 
 /// Whether all components are finite and not negative.

@@ -136,7 +136,7 @@ impl<'a> Materials<'a> {
     /// How metallic it is on average; the texture keeps it in its blue channel.
     fn metallic(&mut self, pbr: &json::material::PbrMetallicRoughness, name: &str) -> Result<f64, SceneError> {
         let factor = f64::from(pbr.metallic_factor.0);
-        if !(0.0..=1.0).contains(&factor) {
+        if !colour::is_fraction([factor; 3]) {
             return Err(self.fail(name, format!("its metallic factor {factor} must lie within 0 and 1; correct it")));
         }
         let texture = pbr.metallic_roughness_texture.as_ref().filter(|_| factor > 0.0);

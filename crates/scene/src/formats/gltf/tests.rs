@@ -412,6 +412,15 @@ fn impossible_materials_are_errors() {
 }
 
 #[test]
+fn rounding_beyond_0_and_1_is_forgiven() {
+    let mut glb = Glb::square();
+    let pbr = &mut glb.json["materials"][0]["pbrMetallicRoughness"];
+    pbr["baseColorFactor"] = json!([1.0000001, -1e-8, 0.5, 1]);
+    pbr["metallicFactor"] = json!(-1e-8);
+    assert_eq!(parsed(&glb).surfaces[0].material.reflectance, [0.95, 0.0, 0.5 * (1.0 + f64::from(1e-8_f32))]);
+}
+
+#[test]
 fn metals_keep_their_diffuse_part() {
     let mut glb = Glb::square();
     glb.json["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(0.75);

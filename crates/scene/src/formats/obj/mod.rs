@@ -57,10 +57,17 @@ pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<
     Ok(scene)
 }
 
-fn left_out(geometry: &Geometry) -> Option<Finding> {
-    let message = "lines, points and curves have no area and were left out";
-    let line = geometry.first_without_area?;
-    Some(Finding::warning("no-area-primitives", format!("line {line}"), message))
+/// Findings for what has no area by its kind.
+fn left_out(geometry: &Geometry) -> impl Iterator<Item = Finding> {
+    let lines = geometry.first_without_area.map(|line| {
+        let message = "lines, points and curves have no area and were left out";
+        Finding::warning("no-area-primitives", format!("line {line}"), message)
+    });
+    let slender = geometry.slender.map(|(line, count)| {
+        let message = format!("{count} faces have fewer than three corners and were left out, this line's first");
+        Finding::warning("slender-faces", format!("line {line}"), message)
+    });
+    lines.into_iter().chain(slender)
 }
 
 /// The scene so far.

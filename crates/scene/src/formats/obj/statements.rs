@@ -14,6 +14,8 @@ pub(super) struct Geometry {
     pub libraries: Vec<String>,
     /// The line of the first point, line or curve.
     pub first_without_area: Option<usize>,
+    /// The line of the first face with fewer than three corners, and how many there are.
+    pub slender: Option<(usize, usize)>,
 }
 
 /// Polygons that share a group name and a material.
@@ -146,9 +148,14 @@ impl Reader {
             }
             polygons.corners.push(index);
         }
-        let corners = polygons.corners.len() - start;
-        polygons.ends.push(polygons.corners.len());
-        if corners < 3 { Err(format!("the face has {corners} corners; it needs three or more")) } else { Ok(()) }
+        if polygons.corners.len() - start >= 3 {
+            polygons.ends.push(polygons.corners.len());
+        } else {
+            // Modellers write edges that were left over as faces of two corners.
+            polygons.corners.truncate(start);
+            self.geometry.slender.get_or_insert((line, 0)).1 += 1;
+        }
+        Ok(())
     }
 
     fn group(&mut self) -> usize {

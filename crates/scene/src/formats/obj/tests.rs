@@ -51,8 +51,6 @@ fn bad_statements_name_their_line() {
         ("f 1 2 9223372036854775807", "line 5: the face refers to vertex 9223372036854775807 of 4"),
         ("f 1 2 99999999999999999999", "line 5: '99999999999999999999' is not a vertex index"),
         ("f 1 2 x", "line 5: 'x' is not a vertex index"),
-        ("f 1 2", "line 5: the face has 2 corners"),
-        ("f", "line 5: the face has 0 corners"),
         ("v 1 2", "line 5: the vertex '1 2' has fewer than three"),
         ("v 1 nan 2", "line 5: '1 nan 2' are not three finite"),
         ("v 1 inf 2", "line 5: '1 inf 2' are not three finite"),
@@ -104,6 +102,16 @@ fn lines_and_flat_polygons_are_left_out() {
     let scene = try_parse(&format!("{SQUARE}l 1 2\np 1\nf 1 2 1\nf 1 2 3\n")).unwrap();
     assert_eq!(scene.face_count(), 1);
     assert_eq!(codes(&scene), ["no-material", "zero-area-polygons", "no-area-primitives"]);
+}
+
+#[test]
+fn faces_of_fewer_than_three_corners_are_left_out() {
+    let scene = try_parse(&format!("{SQUARE}f 1 2\nf 1 2 3\nf 4\nf\nf 1 3 4\n")).unwrap();
+    assert_eq!(scene.surfaces[0].faces, [[0, 1, 2, 2], [0, 2, 3, 3]]);
+    assert_eq!(codes(&scene), ["no-material", "slender-faces"]);
+    assert_eq!(scene.findings[1].element, "line 5");
+    assert!(scene.findings[1].message.starts_with("3 faces"));
+    assert!(refusal(&format!("{SQUARE}f 1 2\n")).contains("holds no faces"));
 }
 
 #[test]
