@@ -18,6 +18,10 @@ pub(crate) struct Answer {
     pub by_elements: Vec<f64>,
     /// Mean over replicates.
     pub irradiance: Vec<f64>,
+    /// What leaves the scene, W per m2 of the side.
+    pub escaped: Vec<f64>,
+    /// What ends on black backs, or never leaves because a solid stands there, W per m2 of the side.
+    pub lost: Vec<f64>,
     /// How the solve on sides went.
     pub solver: SolveReport,
 }
@@ -95,6 +99,8 @@ impl Task<'_> {
             by_lights: vec![0.0; sides * width],
             by_elements: vec![0.0; sides * bands],
             irradiance: vec![0.0; sides * bands],
+            escaped: vec![0.0; sides * bands],
+            lost: vec![0.0; sides * bands],
             solver,
         };
         // Three bands at a time, as most scenes have, then what is left one by one.
@@ -223,12 +229,14 @@ impl Task<'_> {
         let gathered: Vec<Gathered<C>> = (0..self.sides())
             .into_par_iter()
             .with_min_len(SIDES_PER_TASK)
-            .map(|side| self.gather(elements, &strengths, &fine, side))
+            .map(|side| self.gather(first, elements, &strengths, &fine, side))
             .collect();
         for (side, g) in gathered.iter().enumerate() {
             for c in 0..C {
                 let k = side * bands + first + c;
                 answer.by_elements[k] = g.by_elements[c];
+                answer.escaped[k] = g.escaped[c];
+                answer.lost[k] = g.lost[c];
                 for r in 0..replicates {
                     answer.by_rays[(side * replicates + r) * bands + first + c] = g.by_rays[r][c];
                     answer.by_lights[(side * replicates + r) * bands + first + c] = g.by_lights[r][c];
@@ -321,6 +329,7 @@ impl Task<'_> {
 
     fn gather<const C: usize>(
         &self,
+        first: usize,
         elements: &Elements,
         strengths: &[Values<C>],
         fine: &Fine<C>,
@@ -329,11 +338,16 @@ impl Task<'_> {
         let replicates = self.transport().shots().replicates();
         let per_ray = ratio(1.0, f64::from(self.transport().shots().per_replicate(side)));
         let per_light = ratio(1.0, f64::from(self.transport().lights().per_replicate(side)));
+        let per_shot = per_ray / replicates as f64;
         let mut g = Gathered {
             by_rays: vec![[0.0; C]; replicates],
             by_lights: vec![[0.0; C]; replicates],
             by_elements: [0.0; C],
+            escaped: [0.0; C],
+            lost: [0.0; C],
         };
+        let own_emission = self.lighting.emission_of(self.transport().enclosure().patch_of(side));
+        let own_emission: Values<C> = std::array::from_fn(|c| own_emission[first + c]);
         for r in 0..replicates {
             let (mut rays, mut lights) = ([0.0; C], [0.0; C]);
             for shot in self.transport().shots().replicate(side, r).flatten() {
@@ -344,6 +358,14 @@ impl Task<'_> {
                         rays[c] += value[c];
                         g.by_elements[c] += left * (value[c] - mean[c]);
                     }
+                } else {
+                    let own = || &fine.elements[elements.at(side, shot.origin_cell)];
+                    match shot.target {
+                        Shot::ESCAPED => add(&mut g.escaped, per_shot, own()),
+                        Shot::BACK => add(&mut g.lost, per_shot, own()),
+                        Shot::BURIED => add(&mut g.lost, per_shot, &own_emission),
+                        _ => {}
+                    }
                 }
             }
             for sample in self.transport().lights().replicate(side, r).flatten().filter(|s| s.weight > 0.0) {
@@ -352,7 +374,7 @@ impl Task<'_> {
             g.by_rays[r] = rays.map(|v| v * per_ray);
             g.by_lights[r] = lights.map(|v| v * per_light);
         }
-        g.by_elements = g.by_elements.map(|v| v * per_ray / replicates as f64);
+        g.by_elements = g.by_elements.map(|v| v * per_shot);
         g
     }
 }
@@ -404,6 +426,8 @@ struct Gathered<const C: usize> {
     by_rays: Vec<Values<C>>,
     by_lights: Vec<Values<C>>,
     by_elements: Values<C>,
+    escaped: Values<C>,
+    lost: Values<C>,
 }
 
 fn mean_over_exposed<const C: usize>(seen: &[Seen<C>], values: &[Values<C>]) -> Option<Values<C>> {

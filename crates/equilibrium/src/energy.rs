@@ -1,6 +1,6 @@
 //! Where the power went: the balance of an answer.
 
-use crate::answer::{Task, ratio};
+use crate::answer::{Answer, Task, ratio};
 use crate::transport::Transport;
 use radiosity_exchange::Shot;
 
@@ -24,10 +24,9 @@ pub struct Energy {
 }
 
 impl Energy {
-    pub(crate) fn of(task: &Task, irradiance: &[f64]) -> Self {
+    pub(crate) fn of(task: &Task, answer: &Answer) -> Self {
         let (bands, transport) = (task.lighting.bands, &task.measurement.transport);
         let enclosure = transport.enclosure();
-        let radiosity = task.radiosity(irradiance);
         let none = || vec![0.0; bands];
         let mut energy = Self {
             emitted: none(),
@@ -35,27 +34,21 @@ impl Energy {
             absorbed: none(),
             escaped: none(),
             lost_on_backs: none(),
-            ..Self::default()
+            imbalance: 0.0,
+            escape_share: escape_share(transport),
         };
-        let (mut rays, mut escaped) = (0.0, 0.0);
         for side in 0..enclosure.sides() {
-            let (patch, area, share) = (enclosure.patch_of(side), enclosure.area(side), Fates::of(transport, side));
-            rays += share.total;
-            escaped += share.total * share.escaped;
+            let (patch, area) = (enclosure.patch_of(side), enclosure.area(side));
             for b in 0..bands {
                 let k = side * bands + b;
-                let emission = task.lighting.emission_of(patch)[b];
-                // Buried parts receive nothing: only their own emission is lost there.
-                let exposed = ratio(radiosity[k] - share.buried * emission, 1.0 - share.buried);
-                energy.emitted[b] += area * emission;
-                energy.absorbed[b] += area * (1.0 - task.lighting.reflectance_of(patch)[b]) * irradiance[k];
-                energy.escaped[b] += area * exposed * share.escaped;
-                energy.lost_on_backs[b] += area * (share.buried * emission + exposed * share.back);
+                energy.emitted[b] += area * task.lighting.emission_of(patch)[b];
+                energy.absorbed[b] += area * (1.0 - task.lighting.reflectance_of(patch)[b]) * answer.irradiance[k];
+                energy.escaped[b] += area * answer.escaped[k];
+                energy.lost_on_backs[b] += area * answer.lost[k];
             }
         }
-        energy.imbalance =
-            (0..bands).map(|b| energy.unexplained(b)).fold(0.0, |a, b| if b.abs() > f64::abs(a) { b } else { a });
-        energy.escape_share = ratio(escaped, rays);
+        let worst = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        energy.imbalance = (0..bands).map(|b| energy.unexplained(b)).fold(0.0, worst);
         energy
     }
 
@@ -65,24 +58,13 @@ impl Energy {
     }
 }
 
-/// What became of a side's rays, as shares of all.
-struct Fates {
-    total: f64,
-    escaped: f64,
-    back: f64,
-    buried: f64,
-}
-
-impl Fates {
-    fn of(transport: &Transport, side: usize) -> Self {
-        let (mut total, mut escaped, mut back, mut buried) = (0u32, 0u32, 0u32, 0u32);
-        for shot in transport.shots().of(side).flatten() {
-            total += 1;
-            escaped += u32::from(shot.target == Shot::ESCAPED);
-            back += u32::from(shot.target == Shot::BACK);
-            buried += u32::from(shot.target == Shot::BURIED);
+fn escape_share(transport: &Transport) -> f64 {
+    let (mut escaped, mut total) = (0u64, 0u64);
+    for side in 0..transport.enclosure().sides() {
+        for shots in transport.shots().of(side) {
+            total += shots.len() as u64;
+            escaped += shots.iter().filter(|s| s.target == Shot::ESCAPED).count() as u64;
         }
-        let share = |n: u32| ratio(f64::from(n), f64::from(total));
-        Self { total: f64::from(total), escaped: share(escaped), back: share(back), buried: share(buried) }
     }
+    ratio(escaped as f64, total as f64)
 }

@@ -59,7 +59,7 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
     let carried = carry(task, &deviation, replicates)?;
     let area = |side: usize| task.measurement.transport.enclosure().area(side);
     let total_area: f64 = (0..sides).map(area).sum();
-    let energy = Energy::of(task, &answer.irradiance);
+    let energy = Energy::of(task, answer);
     let (mut all, mut sampling, mut elements, mut level) = (0.0, 0.0, 0.0, 0.0);
     let mut standard_error = vec![0.0; sides * bands];
     for (side, carried) in carried.iter().enumerate() {
