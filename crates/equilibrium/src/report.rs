@@ -43,9 +43,9 @@ pub struct Report {
     pub discretisation_error: f64,
     /// What limited the accuracy.
     pub limited_by: Option<Limit>,
-    /// Patches, sides (two-sided patches have two) and luminaires sampled by area.
+    /// Patches.
     pub patches: usize,
-    /// Sides that exchange light.
+    /// Sides: one a patch, two where it is two-sided.
     pub sides: usize,
     /// What was sampled by area.
     pub luminaires: usize,
@@ -69,7 +69,7 @@ pub struct Report {
     pub closure_residual: f64,
     /// Bytes held by geometry, samples and operator at the end.
     pub memory_bytes: usize,
-    /// Seconds spent on the ray hierarchy, on sampling, on solving and in all.
+    /// Wall time by stage.
     pub seconds: Seconds,
 }
 

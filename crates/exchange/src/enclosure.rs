@@ -39,7 +39,6 @@ pub struct Enclosure {
     margin: f64,
     /// Per patch: the factor toward the centroid that keeps a point off the edges by the margin.
     inset: Vec<f64>,
-    bounds: (DVec3, DVec3),
 }
 
 /// Rounding of a vertex, of an origin and of their difference, each half a unit in the last place, with a factor of
@@ -81,7 +80,6 @@ impl Enclosure {
             middle,
             margin,
             inset,
-            bounds: (low, high),
             patches,
         }
     }
@@ -94,11 +92,6 @@ impl Enclosure {
     /// The ray hierarchy.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
-    }
-
-    /// Corners of the box around everything.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        self.bounds
     }
 
     /// The number of sides: patches plus two-sided patches.
