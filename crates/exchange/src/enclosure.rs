@@ -16,7 +16,7 @@ const NO_SIDE: u32 = u32::MAX;
 pub enum Sight {
     /// Nothing.
     Escaped,
-    /// The black back of a one-sided patch.
+    /// The black back of a one-sided patch, or an obstruction.
     Back,
     /// A side, at chart coordinates of its patch.
     Side(u32, f64, f64),
@@ -29,7 +29,7 @@ pub struct Enclosure {
     /// Tangent frames of the front sides.
     frames: Vec<Frame>,
     bvh: Bvh,
-    /// Triangle of the hierarchy -> patch * 2 + which half of its polygon.
+    /// Triangle of the hierarchy -> patch * 2 + which half of its polygon. Obstructions are numbered after all patches.
     owner: Vec<u32>,
     back_side: Vec<u32>,
     side_patch: Vec<u32>,
@@ -47,13 +47,13 @@ pub struct Enclosure {
 const PLANE_ROUNDING: f64 = 3.0 * f32::EPSILON as f64;
 
 impl Enclosure {
-    /// Builds the hierarchy over all patches. Patches without area are never hit and send nothing.
+    /// Builds the hierarchy over all patches and obstructions. Patches without area are never hit and send nothing.
     pub fn new(patches: Patches) -> Self {
         let (low, high) = bounds(&patches);
         let middle = 0.5 * (low + high);
         let single = |p: DVec3| (p - middle).as_vec3();
         let (mut triangles, mut owner) = (Vec::with_capacity(2 * patches.len()), Vec::with_capacity(2 * patches.len()));
-        for (i, polygon) in patches.polygons.iter().enumerate() {
+        for (i, polygon) in patches.polygons.iter().chain(&patches.obstructions).enumerate() {
             let [a, b, c, d] = polygon.map(single);
             triangles.push([a, b, c]);
             owner.push(2 * i as u32);
@@ -168,6 +168,9 @@ impl Enclosure {
         }
         let owner = self.owner[hit.triangle as usize];
         let (patch, half) = ((owner >> 1) as usize, (owner & 1) as usize);
+        if patch >= self.patches.len() {
+            return Sight::Back;
+        }
         let front = direction.as_dvec3().dot(self.patches.normal[patch]) < 0.0;
         let side = if front { patch as u32 } else { self.back_side[patch] };
         if side == NO_SIDE {
@@ -186,7 +189,7 @@ impl Enclosure {
 fn bounds(patches: &Patches) -> (DVec3, DVec3) {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
-    for p in patches.polygons.iter().flatten() {
+    for p in patches.polygons.iter().chain(&patches.obstructions).flatten() {
         low = low.min(*p);
         high = high.max(*p);
     }

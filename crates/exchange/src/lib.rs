@@ -5,11 +5,13 @@ pub mod enclosure;
 pub mod kernels;
 pub mod luminaires;
 pub mod operator;
+pub mod rows;
 pub mod samples;
 pub mod shots;
 
 pub use elements::Elements;
 pub use enclosure::Enclosure;
 pub use luminaires::{LightSample, Luminaire};
+pub use rows::Rows;
 pub use samples::Samples;
 pub use shots::Shot;

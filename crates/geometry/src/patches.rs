@@ -21,6 +21,9 @@ pub struct Patches {
     pub centre: Vec<DVec3>,
     /// Unit normal by the right-hand rule; zero for a patch without area.
     pub normal: Vec<DVec3>,
+    /// Polygons that block what passes and take no other part: opaque from both sides, black, without ids. A triangle
+    /// repeats its last corner.
+    pub obstructions: Vec<[DVec3; 4]>,
 }
 
 impl Patches {
@@ -48,7 +51,12 @@ impl Patches {
             });
             normal.push(n);
         }
-        Self { polygons, surface, face, two_sided, area, centre, normal }
+        Self { polygons, surface, face, two_sided, area, centre, normal, obstructions: Vec::new() }
+    }
+
+    /// The same patches among polygons that only block.
+    pub fn with_obstructions(self, obstructions: Vec<[DVec3; 4]>) -> Self {
+        Self { obstructions, ..self }
     }
 
     /// The number of patches.
