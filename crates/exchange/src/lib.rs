@@ -5,6 +5,7 @@ pub mod enclosure;
 pub mod kernels;
 pub mod luminaires;
 pub mod operator;
+pub mod quadrature;
 pub mod rows;
 pub mod samples;
 pub mod shots;
