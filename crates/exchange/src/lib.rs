@@ -2,13 +2,16 @@
 
 pub mod elements;
 pub mod enclosure;
+pub mod facets;
 pub mod kernels;
 pub mod luminaires;
 pub mod operator;
+pub mod pairs;
 pub mod quadrature;
 pub mod rows;
 pub mod samples;
 pub mod shots;
+pub mod visibility;
 
 pub use elements::Elements;
 pub use enclosure::Enclosure;

@@ -12,10 +12,14 @@ use glam::DVec3;
 pub fn point_to_polygon(x: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
     let mut above = [DVec3::ZERO; 5];
     let count = clip_at_horizon(x, normal, polygon, &mut above);
-    let above = &above[..count];
+    solid_cosine(normal, &above[..count])
+}
+
+/// The same for corners relative to the point, none below its horizon.
+pub fn solid_cosine(normal: DVec3, corners: &[DVec3]) -> f64 {
     let mut sum = 0.0;
-    for (k, &a) in above.iter().enumerate() {
-        let b = above[if k + 1 == count { 0 } else { k + 1 }];
+    for (k, &a) in corners.iter().enumerate() {
+        let b = corners[if k + 1 == corners.len() { 0 } else { k + 1 }];
         let cross = a.cross(b);
         let sine = cross.length();
         if sine > 0.0 {

@@ -1,0 +1,85 @@
+//! The form factor by Nusselt's analog.
+//!
+//! What it computes: a polygon is projected onto the unit hemisphere above a point, and from there straight down onto
+//! its base; the form factor from the point is the share of the base that is covered (Nusselt 1928, *Graphische
+//! Bestimmung des Winkelverhaeltnisses bei der Waermestrahlung*). Each edge becomes an arc of a great circle, and the
+//! sector between the arc and the centre, of area angle / 2, shrinks by the cosine of its plane with the base when it
+//! is projected. The form factor from a patch is the mean over points of it: Gauss's rule, `points^2` of them.
+//!
+//! Error: none at a point. The mean converges like `eta^(2 points)` where the patches are apart and like
+//! `1 / points^2` or so where they touch, since what a point sees jumps at a common edge.
+//!
+//! When to choose it: to see and to teach what a form factor is, and for a first estimate.
+
+use crate::quadrature::PlaneRule;
+use glam::DVec3;
+use radiosity_geometry::sampling::Frame;
+use std::f64::consts::PI;
+
+/// The share of the unit disk that a polygon covers, its corners relative to the point and none below its horizon.
+pub fn covered(normal: DVec3, corners: &[DVec3]) -> f64 {
+    let sector = |k: usize| {
+        let (a, b) = (corners[k], corners[if k + 1 == corners.len() { 0 } else { k + 1 }]);
+        let across = a.cross(b);
+        let sine = across.length();
+        if sine > 0.0 { 0.5 * sine.atan2(a.dot(b)) * normal.dot(across) / sine } else { 0.0 }
+    };
+    (0..corners.len()).map(sector).sum::<f64>().abs() / PI
+}
+
+/// The exchange, m2, from every point of a rule on the first polygon: the areas around the points, summed.
+pub fn nusselt(first: &[DVec3], rule: &PlaneRule, mut covered_at: impl FnMut(DVec3) -> f64) -> f64 {
+    let mut sum = 0.0;
+    rule.on(first, |x, area| sum += area * covered_at(x));
+    sum
+}
+
+/// The outline of a polygon as projected onto the hemisphere above `x` and onto its base, for pictures: points of the
+/// hemisphere in the frame of the normal, whose first two coordinates are those of the base.
+///
+/// `steps` points an edge. What is below the horizon must have been cut off.
+pub fn outline(x: DVec3, normal: DVec3, polygon: &[DVec3], steps: usize) -> Vec<DVec3> {
+    let frame = Frame::new(normal);
+    let unit = |p: DVec3| (p - x).normalize_or_zero();
+    let mut points = Vec::with_capacity(steps * polygon.len());
+    for k in 0..polygon.len() {
+        let (a, b) = (polygon[k], polygon[(k + 1) % polygon.len()]);
+        for step in 0..steps {
+            let on = unit(a + step as f64 / steps as f64 * (b - a));
+            points.push(DVec3::new(on.dot(frame.tangent), on.dot(frame.bitangent), on.dot(frame.normal)));
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(z: f64) -> [DVec3; 4] {
+        [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(x, y)| DVec3::new(x, y, z))
+    }
+
+    #[test]
+    fn a_square_above_its_corner() {
+        assert!((covered(DVec3::Z, &square(1.0)) - 0.138_531_606_0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn the_outline_covers_the_same_share_of_the_base() {
+        let points = outline(DVec3::ZERO, DVec3::Z, &square(1.0), 2000);
+        let n = points.len();
+        let twice: f64 = (0..n).map(|k| points[k].truncate().perp_dot(points[(k + 1) % n].truncate())).sum();
+        assert!((0.5 * twice.abs() / PI - 0.138_531_606_0).abs() < 1e-6);
+        assert!(points.iter().all(|p| (p.length() - 1.0).abs() < 1e-12 && p.z > 0.0));
+    }
+
+    #[test]
+    fn the_mean_over_a_patch_converges() {
+        let error = |n: usize| {
+            let f = nusselt(&square(0.0), &PlaneRule::new(n), |x| covered(DVec3::Z, &square(1.0).map(|c| c - x)));
+            (f - 0.199_824_895_698_387_46).abs()
+        };
+        assert!(error(2) < 1e-2 && error(4) < 1e-4 && error(8) < 1e-8, "{} {} {}", error(2), error(4), error(8));
+    }
+}

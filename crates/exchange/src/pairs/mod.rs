@@ -1,0 +1,436 @@
+//! Form factors of all pairs of facets, each by the method that suits it.
+//!
+//! For every leaf of facets the tree over the others is walked down, and the list of blockers that may stand between
+//! shrinks on the way; where none is left the whole of a leaf is seen by the whole of the other. Then pair by pair:
+//!
+//! 1. **Horizons.** What is behind the other's plane is cut off; pairs of which nothing is left do not exchange.
+//! 2. **Unoccluded exchange.** Gauss points on both areas where they are apart, contours where they are near or touch.
+//! 3. **Occlusion.** Full, none or partial, decided so that it errs toward partial; of partial pairs the hidden part
+//!    is integrated and taken off.
+//!
+//! Errors: `tolerance` T is shared so that each F_ij is within T and each row sum is too. A pair seen in full may err by
+//! `T F_ij / 2`, all in one direction. Partial pairs err in either direction: `T sqrt(F_ij) / 2` each makes no more than
+//! `T / 2` of a row, root mean square.
+
+mod nodes;
+
+use crate::enclosure::Enclosure;
+use crate::facets::{Bounds, Facet, Facets, Node};
+use crate::kernels::areas::{Orders, areas};
+use crate::kernels::contour::{contour, is_closed_form};
+use crate::kernels::nusselt::{covered, nusselt};
+use crate::quadrature::PlaneRule;
+use crate::visibility::fragments::Fragments;
+use crate::visibility::hidden::{End, Hidden};
+use crate::visibility::shaft::{Sight, between};
+use crate::visibility::{Blockers, Shaft};
+use glam::DVec3;
+use nodes::Nodes;
+use radiosity_operator::{Cancelled, Control, Symmetric};
+use rayon::prelude::*;
+
+/// The method for what two facets exchange unoccluded.
+#[derive(Clone, Debug)]
+pub enum Kernel {
+    /// The cheapest that meets the tolerance.
+    Auto,
+    /// Contour integrals for every pair.
+    Contour,
+    /// Contour integrals in closed form where edges are parallel or perpendicular, else to 1e-12.
+    Analytic,
+    /// Nusselt's analog from the points of a rule on each facet, and the mean of what both ends measure.
+    Nusselt(PlaneRule),
+}
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// How.
+    pub kernel: Kernel,
+    /// The error allowed of a form factor and of a row sum.
+    pub tolerance: f64,
+}
+
+/// What was done, in pairs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Seen in full.
+    pub full: u64,
+    /// Hidden in part.
+    pub partial: u64,
+    /// Hidden by one blocker.
+    pub hidden: u64,
+    /// By Gauss points on both areas.
+    pub by_areas: u64,
+    /// By contour integrals.
+    pub by_contour: u64,
+    /// Partial pairs whose error is estimated above what they were allowed.
+    pub unresolved: u64,
+    /// The greatest error estimate of a form factor among partial pairs.
+    pub worst_error: f64,
+    /// The greatest disagreement of both ends' measurements, as a form factor of the smaller facet.
+    pub disagreement: f64,
+}
+
+impl Tally {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            full: self.full + other.full,
+            partial: self.partial + other.partial,
+            hidden: self.hidden + other.hidden,
+            by_areas: self.by_areas + other.by_areas,
+            by_contour: self.by_contour + other.by_contour,
+            unresolved: self.unresolved + other.unresolved,
+            worst_error: self.worst_error.max(other.worst_error),
+            disagreement: self.disagreement.max(other.disagreement),
+        }
+    }
+}
+
+/// Bytes that all pairs of so many sides may take.
+pub fn forecast(sides: usize) -> u64 {
+    let n = sides as u64;
+    4 * n * n.saturating_sub(1) + Nodes::forecast(sides) as u64
+}
+
+/// The exchange of all pairs, by the numbers of the sides.
+pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) -> Result<(Symmetric, Tally), Cancelled> {
+    let facets = Facets::new(enclosure);
+    let n = facets.list.len();
+    let scene = Scene {
+        blockers: Blockers::new(enclosure, facets.extent),
+        nodes: Nodes::new(if matches!(settings.kernel, Kernel::Auto) { &facets.list } else { &[] }),
+        orders: Orders::new(0.5 * settings.tolerance),
+        facets,
+        settings,
+    };
+    control.expect((n * n.saturating_sub(1) / 2) as u64);
+    let leaves: Vec<usize> = scene.facets.leaves().collect();
+    let measured: Vec<_> = leaves
+        .into_par_iter()
+        .with_max_len(1)
+        .map_init(Scratch::default, |scratch, leaf| {
+            control.check()?;
+            let rows = scene.facets.nodes[leaf].range.clone();
+            let mut task = Task::new(&scene, leaf, scratch);
+            task.walk_all(control)?;
+            let pairs: usize = rows.clone().map(|i| n - 1 - i).sum();
+            control.advance(pairs as u64);
+            Ok((rows, task.values, task.tally))
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let tally = measured.iter().fold(Tally::default(), |sum, m| sum.plus(m.2));
+    let blocks = measured.into_iter().map(|(rows, values, _)| (rows, values)).collect();
+    let order = scene.facets.list.iter().map(|f| f.side).collect();
+    Ok((Symmetric::from_dense_blocks(enclosure.sides(), order, blocks), tally))
+}
+
+/// What all tasks read.
+struct Scene<'a> {
+    facets: Facets,
+    blockers: Blockers,
+    nodes: Nodes,
+    orders: Orders,
+    settings: &'a Settings,
+}
+
+/// Buffers of a worker.
+#[derive(Default)]
+struct Scratch {
+    /// Candidates by depth of the tree.
+    lists: Vec<Vec<u32>>,
+    kept: Vec<u32>,
+    hidden: Hidden,
+    fragments: Fragments,
+    /// Polygons cut at horizons.
+    first: Vec<DVec3>,
+    second: Vec<DVec3>,
+    /// Pairs of one facet that Gauss points serve, and their exchange.
+    batch: Vec<(u32, u8)>,
+    exchange: Vec<f64>,
+}
+
+/// All pairs of one leaf with itself and the leaves after it.
+struct Task<'a> {
+    scene: &'a Scene<'a>,
+    scratch: &'a mut Scratch,
+    node: &'a Node,
+    /// The exchange of the rows of the leaf with all columns above the diagonal, row after row.
+    values: Vec<f64>,
+    tally: Tally,
+}
+
+/// Whether a set of points is in front of a plane.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Front,
+    Behind,
+    Across,
+}
+
+/// Coordinates of points meant to lie in a plane are off by rounding: relative to the scene.
+const ROUNDING: f64 = 1e-13;
+
+impl<'a> Task<'a> {
+    fn new(scene: &'a Scene<'a>, leaf: usize, scratch: &'a mut Scratch) -> Self {
+        let node = &scene.facets.nodes[leaf];
+        let n = scene.facets.list.len();
+        let count = node.range.clone().map(|i| n - 1 - i).sum();
+        Self { scene, scratch, node, values: vec![0.0; count], tally: Tally::default() }
+    }
+
+    fn walk_all(&mut self, control: &Control) -> Result<(), Cancelled> {
+        let all: Vec<u32> = (0..self.scene.blockers.list.len() as u32).collect();
+        self.walk(0, &all, 0, control)
+    }
+
+    /// Walks down to the leaves at or after this task's, with the blockers that may matter.
+    fn walk(&mut self, node: usize, candidates: &[u32], depth: usize, control: &Control) -> Result<(), Cancelled> {
+        let target = &self.scene.facets.nodes[node];
+        if target.range.end <= self.node.range.start {
+            return Ok(());
+        }
+        if self.scratch.lists.len() <= depth {
+            self.scratch.lists.resize_with(depth + 1, Vec::new);
+        }
+        let mut list = std::mem::take(&mut self.scratch.lists[depth]);
+        list.clear();
+        if !candidates.is_empty() {
+            let contact = self.scene.blockers.contact;
+            let shaft = Shaft::new(self.node.bounds, target.bounds, contact);
+            list.extend(candidates.iter().filter(|&&k| shaft.admits(&self.scene.blockers.list[k as usize])));
+        }
+        let walked = match target.children {
+            Some(children) => children.into_iter().try_for_each(|c| self.walk(c, &list, depth + 1, control)),
+            None => {
+                self.leaf(target, &list);
+                control.check()
+            }
+        };
+        self.scratch.lists[depth] = list;
+        walked
+    }
+
+    /// All pairs with one leaf.
+    fn leaf(&mut self, target: &Node, candidates: &[u32]) {
+        let facets = &self.scene.facets.list;
+        let sides: Vec<Side> = target.range.clone().map(|j| self.side_of(&facets[j], &self.node.bounds)).collect();
+        for i in self.node.range.clone() {
+            let side = self.side_of(&facets[i], &target.bounds);
+            if side == Side::Behind {
+                continue;
+            }
+            self.scratch.batch.clear();
+            for j in target.range.clone().filter(|&j| j > i) {
+                match sides[j - target.range.start] {
+                    Side::Behind => {}
+                    Side::Front if side == Side::Front => self.in_front(i, j, candidates),
+                    _ => self.across(i, j, candidates),
+                }
+            }
+            self.finish_batch(i);
+        }
+    }
+
+    /// Where a box lies by a facet's plane.
+    fn side_of(&self, facet: &Facet, bounds: &Bounds) -> Side {
+        let (low, high) = bounds.extent_along(facet.normal);
+        let offset = facet.normal.dot(facet.centre);
+        self.judge(low - offset, high - offset)
+    }
+
+    fn judge(&self, low: f64, high: f64) -> Side {
+        if high <= self.scene.blockers.contact {
+            Side::Behind
+        } else if low >= -ROUNDING * self.scene.facets.extent {
+            Side::Front
+        } else {
+            Side::Across
+        }
+    }
+
+    /// A pair of which the boxes did not tell.
+    fn across(&mut self, i: usize, j: usize, candidates: &[u32]) {
+        let (a, b) = (&self.scene.facets.list[i], &self.scene.facets.list[j]);
+        let side = |plane: &Facet, of: &Facet| {
+            let heights = of.corners().iter().map(|&c| plane.height(c));
+            let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            self.judge(low, high)
+        };
+        match (side(a, b), side(b, a)) {
+            (Side::Behind, _) | (_, Side::Behind) => {}
+            (Side::Front, Side::Front) => self.in_front(i, j, candidates),
+            _ => self.cut_and_measure(i, j, candidates),
+        }
+    }
+
+    /// A pair wholly in front of each other.
+    fn in_front(&mut self, i: usize, j: usize, candidates: &[u32]) {
+        let (a, b) = (&self.scene.facets.list[i], &self.scene.facets.list[j]);
+        if candidates.is_empty() && matches!(self.scene.settings.kernel, Kernel::Auto) {
+            let r = b.centre - a.centre;
+            let order =
+                self.scene.orders.choose(r.length_squared(), a.radius + b.radius, a.normal.dot(r), -b.normal.dot(r));
+            if let Some(order) = order {
+                self.scratch.batch.push((j as u32, order as u8));
+                return;
+            }
+        }
+        let (first, second) = (End { facet: a, polygon: a.corners() }, End { facet: b, polygon: b.corners() });
+        self.measure(i, j, first, second, candidates);
+    }
+
+    /// A pair of which only parts are in front of each other.
+    fn cut_and_measure(&mut self, i: usize, j: usize, candidates: &[u32]) {
+        let (a, b) = (&self.scene.facets.list[i], &self.scene.facets.list[j]);
+        let (mut first, mut second) =
+            (std::mem::take(&mut self.scratch.first), std::mem::take(&mut self.scratch.second));
+        cut_behind(a.corners(), b, &mut first);
+        cut_behind(b.corners(), a, &mut second);
+        if first.len() >= 3 && second.len() >= 3 {
+            let (first, second) = (End { facet: a, polygon: &first }, End { facet: b, polygon: &second });
+            self.measure(i, j, first, second, candidates);
+        }
+        (self.scratch.first, self.scratch.second) = (first, second);
+    }
+
+    /// A pair with what may be between.
+    fn measure(&mut self, i: usize, j: usize, first: End, second: End, candidates: &[u32]) {
+        let Blockers { list, contact } = &self.scene.blockers;
+        let mut kept = std::mem::take(&mut self.scratch.kept);
+        let ends = ((first.facet, first.polygon), (second.facet, second.polygon));
+        match between(list, candidates, ends.0, ends.1, *contact, &mut kept) {
+            Sight::None => self.tally.hidden += 1,
+            sight => {
+                let value = match &self.scene.settings.kernel {
+                    Kernel::Nusselt(rule) => self.by_nusselt(first, second, rule, &kept),
+                    _ => self.less_hidden(first, second, &kept),
+                };
+                match sight {
+                    Sight::Full => self.tally.full += 1,
+                    _ => self.tally.partial += 1,
+                }
+                *self.value_mut(i, j) = value;
+            }
+        }
+        self.scratch.kept = kept;
+    }
+
+    /// The unoccluded exchange less what blockers hide.
+    fn less_hidden(&mut self, first: End, second: End, blockers: &[u32]) -> f64 {
+        let whole = self.unoccluded(first, second);
+        if blockers.is_empty() || whole <= 0.0 {
+            return whole.max(0.0);
+        }
+        let smaller = first.facet.area.min(second.facet.area);
+        let allowed = 0.5 * self.scene.settings.tolerance * (whole * smaller).sqrt();
+        let Blockers { list, contact } = &self.scene.blockers;
+        let hidden = self.scratch.hidden.exchange(first, second, list, blockers, allowed, *contact);
+        self.tally.unresolved += u64::from(hidden.error > allowed);
+        self.tally.worst_error = self.tally.worst_error.max(hidden.error / smaller);
+        let left = whole - hidden.value;
+        // What rounding leaves of a pair that is hidden altogether is nothing.
+        if left > 1e-13 * whole { left } else { 0.0 }
+    }
+
+    fn unoccluded(&mut self, first: End, second: End) -> f64 {
+        let settings = self.scene.settings;
+        let (a, b) = (Extent::of(first), Extent::of(second));
+        let r = b.centre - a.centre;
+        let (h1, h2) = (first.facet.normal.dot(r), -second.facet.normal.dot(r));
+        let radii = a.radius + b.radius;
+        if matches!(settings.kernel, Kernel::Auto)
+            && let Some(order) = self.scene.orders.choose(r.length_squared(), radii, h1, h2)
+        {
+            self.tally.by_areas += 1;
+            return areas(first.polygon, first.facet.normal, second.polygon, second.facet.normal, order);
+        }
+        self.tally.by_contour += 1;
+        let smaller = first.facet.area.min(second.facet.area);
+        let larger = first.facet.area.max(second.facet.area);
+        let most =
+            ((h1.max(0.0) + radii) * (h2.max(0.0) + radii) * larger / r.length_squared().powi(2)).clamp(1e-3, 1.0);
+        let tolerance = match settings.kernel {
+            Kernel::Analytic if is_closed_form(first.polygon, second.polygon) => 1.0,
+            Kernel::Analytic => 1e-12,
+            _ => 0.1 * settings.tolerance,
+        };
+        contour(first.polygon, second.polygon, tolerance * most * smaller)
+    }
+
+    fn by_nusselt(&mut self, first: End, second: End, rule: &PlaneRule, blockers: &[u32]) -> f64 {
+        let Blockers { list, contact } = &self.scene.blockers;
+        let fragments = &mut self.scratch.fragments;
+        let mut from = |source: End, target: End| {
+            let normal = source.facet.normal;
+            nusselt(source.polygon, rule, |x| {
+                if blockers.is_empty() {
+                    let mut relative = [DVec3::ZERO; 8];
+                    let corners = &mut relative[..target.polygon.len()];
+                    corners.iter_mut().zip(target.polygon).for_each(|(r, c)| *r = *c - x);
+                    return covered(normal, corners);
+                }
+                let between = blockers.iter().map(|&k| &list[k as usize]);
+                fragments.visible(x, normal, target.polygon, between, *contact)
+            })
+        };
+        let (there, back) = (from(first, second), from(second, first));
+        let smaller = first.facet.area.min(second.facet.area);
+        self.tally.disagreement = self.tally.disagreement.max((there - back).abs() / smaller);
+        0.5 * (there + back)
+    }
+
+    /// Sums the Gauss points of the pairs put aside.
+    fn finish_batch(&mut self, i: usize) {
+        let batch = std::mem::take(&mut self.scratch.batch);
+        self.scratch.exchange.resize(batch.len(), 0.0);
+        self.scene.nodes.row(i, &batch, &mut self.scratch.exchange);
+        for k in 0..batch.len() {
+            *self.value_mut(i, batch[k].0 as usize) = self.scratch.exchange[k];
+        }
+        self.tally.full += batch.len() as u64;
+        self.tally.by_areas += batch.len() as u64;
+        self.scratch.batch = batch;
+    }
+
+    fn value_mut(&mut self, i: usize, j: usize) -> &mut f64 {
+        let n = self.scene.facets.list.len();
+        let first = self.node.range.start;
+        let before: usize = (i - first) * (n - 1) - (first..i).sum::<usize>();
+        &mut self.values[before + j - i - 1]
+    }
+}
+
+/// A polygon's middle and the ball about it.
+struct Extent {
+    centre: DVec3,
+    radius: f64,
+}
+
+impl Extent {
+    fn of(end: End) -> Self {
+        if std::ptr::eq(end.polygon, end.facet.corners()) {
+            return Self { centre: end.facet.centre, radius: end.facet.radius };
+        }
+        let centre = end.polygon.iter().sum::<DVec3>() / end.polygon.len() as f64;
+        Self { centre, radius: end.polygon.iter().map(|c| c.distance(centre)).fold(0.0, f64::max) }
+    }
+}
+
+/// The part of a polygon in front of a facet's plane.
+fn cut_behind(polygon: &[DVec3], plane: &Facet, front: &mut Vec<DVec3>) {
+    front.clear();
+    for k in 0..polygon.len() {
+        let (v, w) = (polygon[k], polygon[(k + 1) % polygon.len()]);
+        let (h, g) = (plane.height(v), plane.height(w));
+        if h >= 0.0 {
+            front.push(v);
+        }
+        if h * g < 0.0 {
+            front.push(v + h / (h - g) * (w - v));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,111 @@
+//! Gauss points of all facets, laid out so that a row of pairs is summed four points at a time.
+
+use crate::facets::Facet;
+use crate::kernels::areas::{ORDERS, rule};
+use std::f64::consts::FRAC_1_PI;
+
+/// Points summed together.
+const LANES: usize = 4;
+
+/// The points of one order: `stride` a facet, the last ones without weight where they fill up the lanes.
+struct Layer {
+    points: usize,
+    stride: usize,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+    weight: Vec<f64>,
+}
+
+/// The points of all orders.
+pub struct Nodes {
+    layers: Vec<Layer>,
+    normals: Vec<[f64; 3]>,
+}
+
+impl Nodes {
+    /// Places the points of every order on every facet.
+    pub fn new(facets: &[Facet]) -> Self {
+        let layers = (0..ORDERS.len()).map(|order| Layer::new(facets, order)).collect();
+        Self { layers, normals: facets.iter().map(|f| f.normal.to_array()).collect() }
+    }
+
+    /// Bytes that the points of so many facets take.
+    pub fn forecast(facets: usize) -> usize {
+        ORDERS.iter().map(|n| 32 * (n * n).next_multiple_of(LANES)).sum::<usize>() * facets
+    }
+
+    /// Writes the unoccluded exchange of facet `i` with each of `pairs`, `(facet, order)`, to `out`.
+    ///
+    /// The same bits with every instruction set: nothing is fused.
+    pub fn row(&self, i: usize, pairs: &[(u32, u8)], out: &mut [f64]) {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has what the function needs.
+            return unsafe { self.row_avx2(i, pairs, out) };
+        }
+        self.row_plain(i, pairs, out);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn row_avx2(&self, i: usize, pairs: &[(u32, u8)], out: &mut [f64]) {
+        self.row_plain(i, pairs, out);
+    }
+
+    #[inline(always)]
+    fn row_plain(&self, i: usize, pairs: &[(u32, u8)], out: &mut [f64]) {
+        for (&(j, order), out) in pairs.iter().zip(out) {
+            let layer = &self.layers[order as usize];
+            *out = layer.pair(i, j as usize, self.normals[i], self.normals[j as usize]);
+        }
+    }
+}
+
+impl Layer {
+    fn new(facets: &[Facet], order: usize) -> Self {
+        let points = ORDERS[order] * ORDERS[order];
+        let stride = points.next_multiple_of(LANES);
+        let zeros = || Vec::with_capacity(stride * facets.len());
+        let mut layer = Self { points, stride, x: zeros(), y: zeros(), z: zeros(), weight: zeros() };
+        for facet in facets {
+            let mut last = facet.centre;
+            let mut push = |p: glam::DVec3, w: f64| {
+                layer.x.push(p.x);
+                layer.y.push(p.y);
+                layer.z.push(p.z);
+                layer.weight.push(w);
+                last = p;
+            };
+            rule(order).on(facet.corners(), &mut push);
+            (points..stride).for_each(|_| push(facet.centre, 0.0));
+        }
+        layer
+    }
+
+    #[inline(always)]
+    fn pair(&self, i: usize, j: usize, n: [f64; 3], m: [f64; 3]) -> f64 {
+        let (first, second) = (i * self.stride, j * self.stride);
+        let lanes =
+            |v: &[f64], k: usize| -> [f64; LANES] { *v[k..].first_chunk::<LANES>().expect("a stride of lanes") };
+        let mut sum = [0.0; LANES];
+        for a in first..first + self.points {
+            let (xa, ya, za, wa) = (self.x[a], self.y[a], self.z[a], self.weight[a]);
+            let mut part = [0.0; LANES];
+            for k in (second..second + self.stride).step_by(LANES) {
+                let (x, y, z, w) = (lanes(&self.x, k), lanes(&self.y, k), lanes(&self.z, k), lanes(&self.weight, k));
+                for l in 0..LANES {
+                    let (rx, ry, rz) = (x[l] - xa, y[l] - ya, z[l] - za);
+                    let r2 = rx * rx + ry * ry + rz * rz;
+                    let here = n[0] * rx + n[1] * ry + n[2] * rz;
+                    let there = m[0] * rx + m[1] * ry + m[2] * rz;
+                    part[l] -= w[l] * (here * there) / (r2 * r2);
+                }
+            }
+            for l in 0..LANES {
+                sum[l] += wa * part[l];
+            }
+        }
+        (sum[0] + sum[1] + sum[2] + sum[3]) * FRAC_1_PI
+    }
+}

@@ -1,0 +1,291 @@
+//! The exchange that blockers hide between two polygons.
+//!
+//! The visible part of one polygon from a point of the other is exact ([`Fragments`]); what is left is an integral over
+//! the other. Its integrand is continuous, with kinks where a corner passes behind an edge, and jumps only where a
+//! blocker stands on the polygon: there it is cut first. The rest is adaptive: triangles with the seven points of
+//! Radon (1948), halved where the estimate of the error is largest until its sum is small enough.
+
+use super::blockers::Blocker;
+use super::fragments::Fragments;
+use crate::facets::Facet;
+use glam::DVec3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// A polygon of a facet that takes part in an exchange: in front of the other's plane.
+#[derive(Clone, Copy)]
+pub struct End<'a> {
+    /// The facet.
+    pub facet: &'a Facet,
+    /// The part of it.
+    pub polygon: &'a [DVec3],
+}
+
+/// An integral and how far off it may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// m2.
+    pub value: f64,
+    /// m2.
+    pub error: f64,
+}
+
+/// Cells in which the adaptive rule ends, whatever the error: some hundred thousand points.
+const MOST_CELLS: usize = 20_000;
+
+/// Buffers kept between pairs.
+#[derive(Default)]
+pub struct Hidden {
+    fragments: Fragments,
+    heap: BinaryHeap<Cell>,
+    order: Vec<u32>,
+}
+
+impl Hidden {
+    /// The part of `A1 F12`, m2, that blockers take from the unoccluded exchange, to about `tolerance` m2.
+    pub fn exchange(
+        &mut self,
+        first: End,
+        second: End,
+        blockers: &[Blocker],
+        candidates: &[u32],
+        tolerance: f64,
+        contact: f64,
+    ) -> Estimate {
+        let feet = |end: &End| feet(end, blockers, candidates, contact);
+        let (feet1, feet2) = (feet(&first), feet(&second));
+        // Integrate over the end that no blocker stands on, else over the smaller.
+        let from_first = match feet1.len().cmp(&feet2.len()) {
+            Ordering::Less => true,
+            Ordering::Greater => false,
+            Ordering::Equal => first.facet.area <= second.facet.area,
+        };
+        let (source, target, feet) = if from_first { (first, second, feet1) } else { (second, first, feet2) };
+        self.order_by_size(source, blockers, candidates);
+        let Self { fragments, heap, order } = self;
+        let normal = source.facet.normal;
+        let mut hidden = |x: DVec3| {
+            let whole = fragments.visible(x, normal, target.polygon, std::iter::empty(), contact);
+            let list = order.iter().map(|&k| &blockers[k as usize]);
+            whole - fragments.visible(x, normal, target.polygon, list, contact)
+        };
+        heap.clear();
+        for cell in cut_at(source, &feet, contact) {
+            for pair in cell[1..].windows(2) {
+                heap.extend(Cell::new([cell[0], pair[0], pair[1]], &mut hidden));
+            }
+        }
+        refine(heap, tolerance, &mut hidden)
+    }
+
+    /// What looms largest comes first: it leaves fewest fragments to those after it.
+    fn order_by_size(&mut self, source: End, blockers: &[Blocker], candidates: &[u32]) {
+        let size = |k: &u32| {
+            let blocker = &blockers[*k as usize];
+            let r = 0.5 * (blocker.bounds.low + blocker.bounds.high) - source.facet.centre;
+            let across = (blocker.bounds.high - blocker.bounds.low).length_squared();
+            across * blocker.normal.dot(r).abs() / (r.length_squared() * r.length()).max(f64::MIN_POSITIVE)
+        };
+        self.order.clear();
+        self.order.extend_from_slice(candidates);
+        self.order.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
+    }
+}
+
+/// A triangle with the integral over it.
+struct Cell {
+    corners: [DVec3; 3],
+    value: f64,
+    /// How far rules of lower degree are from the value.
+    roughness: f64,
+    error: f64,
+}
+
+impl PartialEq for Cell {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Cell {}
+impl PartialOrd for Cell {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Cell {
+    fn cmp(&self, other: &Self) -> Ordering {
+        // Ties are broken by place, so that the order of the heap is the same every time.
+        let place = |c: &Self| c.corners[0].to_array().map(f64::to_bits);
+        self.error.total_cmp(&other.error).then_with(|| place(self).cmp(&place(other)))
+    }
+}
+
+/// Radon's two orbits of three points: the barycentric coordinate that two corners have, and the weight.
+const ORBITS: [(f64, f64); 2] =
+    [(0.101_286_507_323_456_34, 0.125_939_180_544_827_15), (0.470_142_064_105_115_1, 0.132_394_152_788_506_2)];
+const CENTRE: f64 = 0.225;
+
+impl Cell {
+    /// None if the triangle has no area.
+    fn new(corners: [DVec3; 3], f: &mut impl FnMut(DVec3) -> f64) -> Option<Self> {
+        let [a, b, c] = corners;
+        let area = 0.5 * (b - a).cross(c - a).length();
+        if area == 0.0 {
+            return None;
+        }
+        let middle = f((a + b + c) / 3.0);
+        let mut value = CENTRE * middle;
+        let mut orbits = [0.0; 2];
+        for (sum, (t, weight)) in orbits.iter_mut().zip(ORBITS) {
+            for (p, q, r) in [(a, b, c), (b, c, a), (c, a, b)] {
+                *sum += f((1.0 - 2.0 * t) * p + t * (q + r));
+            }
+            value += weight * *sum;
+        }
+        // With the centre, each orbit alone makes a rule of degree 2.
+        let roughness = orbits
+            .iter()
+            .zip(ORBITS)
+            .map(|(sum, (t, _))| {
+                let spread = (1.0 - 2.0 * t) * (1.0 - 2.0 * t) + 2.0 * t * t - 1.0 / 3.0;
+                let weight = 1.0 / (6.0 * spread);
+                (value - ((1.0 - weight) * middle + weight / 3.0 * sum)).abs()
+            })
+            .fold(0.0, f64::max);
+        Some(Self { corners, value: area * value, roughness: area * roughness, error: area * roughness })
+    }
+
+    /// The four halves.
+    fn split(&self, f: &mut impl FnMut(DVec3) -> f64) -> impl Iterator<Item = Cell> {
+        let [a, b, c] = self.corners;
+        let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
+        let mut children: Vec<Cell> =
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().filter_map(|t| Cell::new(t, f)).collect();
+        // What the halves changed is the error the whole had. Smooth parts lose nearly all of it, kinks about half;
+        // the halves share that by how rough they look themselves.
+        let change = (self.value - children.iter().map(|c| c.value).sum::<f64>()).abs();
+        let rough: f64 = children.iter().map(|c| c.roughness).sum();
+        let left = (0.5 * change).max(0.02 * rough);
+        for child in &mut children {
+            child.error = if rough > 0.0 { left * child.roughness / rough } else { 0.0 };
+        }
+        children.into_iter()
+    }
+}
+
+/// Splits the worst cell until the errors sum to no more than the tolerance.
+fn refine(heap: &mut BinaryHeap<Cell>, tolerance: f64, f: &mut impl FnMut(DVec3) -> f64) -> Estimate {
+    let total = |heap: &BinaryHeap<Cell>| heap.iter().map(|c| c.error).sum::<f64>();
+    let mut error = total(heap);
+    while error > tolerance && heap.len() < MOST_CELLS {
+        let worst = heap.pop().expect("an error is some cell's");
+        error -= worst.error;
+        for child in worst.split(f) {
+            error += child.error;
+            heap.push(child);
+        }
+        if heap.len() % 256 == 0 {
+            error = total(heap);
+        }
+    }
+    Estimate { value: heap.iter().map(|c| c.value).sum(), error: total(heap) }
+}
+
+/// Where blockers stand on the plane of an end, or pass through it: segments.
+fn feet(end: &End, blockers: &[Blocker], candidates: &[u32], contact: f64) -> Vec<[DVec3; 2]> {
+    let on = |blocker: &Blocker| -> Option<[DVec3; 2]> {
+        let heights: Vec<f64> = blocker.corners.iter().map(|&c| end.facet.height(c)).collect();
+        if heights.iter().all(|&h| h > contact) {
+            return None;
+        }
+        let mut points = Vec::new();
+        for (k, (&c, &h)) in blocker.corners.iter().zip(&heights).enumerate() {
+            let next = (k + 1) % heights.len();
+            if h.abs() <= contact {
+                points.push(c);
+            } else if h * heights[next] < 0.0 && heights[next].abs() > contact {
+                points.push(c + h / (h - heights[next]) * (blocker.corners[next] - c));
+            }
+        }
+        let far = |p: &DVec3| points.iter().copied().max_by(|a, b| a.distance(*p).total_cmp(&b.distance(*p)));
+        let (p, q) = (far(points.first()?)?, far(&far(points.first()?)?)?);
+        (p.distance(q) > contact).then_some([p, q])
+    };
+    candidates.iter().filter_map(|&k| on(&blockers[k as usize])).filter(|s| runs_inside(end, s, contact)).collect()
+}
+
+/// Whether a segment runs through the inside of an end, and not along its outline.
+fn runs_inside(end: &End, segment: &[DVec3; 2], contact: f64) -> bool {
+    splits(end.polygon, end.facet.normal, segment, contact)
+}
+
+/// Whether a segment in the plane of a convex polygon divides it, at least in part.
+fn splits(polygon: &[DVec3], normal: DVec3, [p, q]: &[DVec3; 2], contact: f64) -> bool {
+    let across = normal.cross(*q - *p).normalize_or_zero();
+    let sides = polygon.iter().map(|c| across.dot(*c - *p));
+    let (low, high) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
+    if low >= -contact || high <= contact {
+        return false;
+    }
+    // The stretch of the segment inside all edges.
+    let (mut from, mut to) = (0.0f64, 1.0f64);
+    for k in 0..polygon.len() {
+        let (a, b) = (polygon[k], polygon[(k + 1) % polygon.len()]);
+        let inward = normal.cross(b - a);
+        let (hp, hq) = (inward.dot(*p - a), inward.dot(*q - a));
+        if hp < 0.0 && hq < 0.0 {
+            return false;
+        }
+        if hp < 0.0 {
+            from = from.max(hp / (hp - hq));
+        } else if hq < 0.0 {
+            to = to.min(hp / (hp - hq));
+        }
+    }
+    (to - from) * p.distance(*q) > contact
+}
+
+/// Cells beyond which feet are left to the adaptive rule.
+const MOST_FEET_CELLS: usize = 64;
+
+/// Cuts an end along the lines of the segments that divide it.
+fn cut_at(end: End, feet: &[[DVec3; 2]], contact: f64) -> Vec<Vec<DVec3>> {
+    let normal = end.facet.normal;
+    let mut cells = vec![end.polygon.to_vec()];
+    for foot in feet {
+        if cells.len() >= MOST_FEET_CELLS {
+            break;
+        }
+        cells = cells
+            .into_iter()
+            .flat_map(
+                |cell| {
+                    if splits(&cell, normal, foot, contact) { halves(&cell, normal, foot) } else { vec![cell] }
+                },
+            )
+            .collect();
+    }
+    cells
+}
+
+/// The two parts of a convex polygon on either side of a line in its plane.
+fn halves(polygon: &[DVec3], normal: DVec3, [p, q]: &[DVec3; 2]) -> Vec<Vec<DVec3>> {
+    let across = normal.cross(*q - *p);
+    let (mut left, mut right) = (Vec::new(), Vec::new());
+    for k in 0..polygon.len() {
+        let (v, w) = (polygon[k], polygon[(k + 1) % polygon.len()]);
+        let (h, g) = (across.dot(v - *p), across.dot(w - *p));
+        if h >= 0.0 {
+            left.push(v);
+        }
+        if h <= 0.0 {
+            right.push(v);
+        }
+        if h * g < 0.0 {
+            let crossing = v + h / (h - g) * (w - v);
+            left.push(crossing);
+            right.push(crossing);
+        }
+    }
+    vec![left, right]
+}

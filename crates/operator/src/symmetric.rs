@@ -1,0 +1,400 @@
+//! A symmetric matrix without diagonal, each pair stored once.
+
+use crate::Operator;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The upper triangle of a symmetric matrix in blocks of rows, dense or sparse as each block's filling suggests.
+///
+/// Rows stand in an order of the builder's choice; vectors and entries are numbered as the caller numbers them.
+#[derive(Clone, Debug, Default)]
+pub struct Symmetric {
+    len: usize,
+    /// Position in the matrix -> number. Numbers that are missing have empty rows.
+    order: Vec<u32>,
+    blocks: Vec<Block>,
+}
+
+/// Consecutive rows: of row p the columns above p.
+#[derive(Clone, Debug)]
+struct Block {
+    rows: Range<usize>,
+    entries: Entries,
+}
+
+#[derive(Clone, Debug)]
+enum Entries {
+    /// Row after row, all columns above the diagonal.
+    Dense(Vec<f64>),
+    /// Compressed rows.
+    Sparse { offsets: Vec<usize>, columns: Vec<u32>, values: Vec<f64> },
+}
+
+/// A sparse entry takes 12 bytes and a dense one 8.
+const SPARSE_BELOW: f64 = 0.6;
+
+/// Groups of rows whose products are summed one after the other, so that sums do not depend on the number of threads.
+const GROUPS: usize = 16;
+
+impl Symmetric {
+    /// Joins blocks of rows that follow each other: each is the concatenated upper rows, all columns above the
+    /// diagonal, by position in `order`.
+    ///
+    /// # Panics
+    /// If the blocks do not cover all positions.
+    pub fn from_dense_blocks(len: usize, order: Vec<u32>, blocks: Vec<(Range<usize>, Vec<f64>)>) -> Self {
+        let n = order.len();
+        assert_eq!(blocks.iter().map(|(rows, _)| rows.len()).sum::<usize>(), n, "blocks cover all rows");
+        let blocks = blocks.into_par_iter().map(|(rows, values)| Block::new(n, rows, values)).collect();
+        Self { len, order, blocks }
+    }
+
+    /// As one block: for each position of `rows` its entries above the diagonal, columns ascending.
+    pub fn from_sparse_rows(rows: &[Vec<(u32, f64)>]) -> Self {
+        let mut offsets = vec![0];
+        for row in rows {
+            offsets.push(offsets.last().unwrap() + row.len());
+        }
+        let entries = Entries::Sparse {
+            offsets,
+            columns: rows.iter().flatten().map(|e| e.0).collect(),
+            values: rows.iter().flatten().map(|e| e.1).collect(),
+        };
+        // Several blocks let several threads work on a product.
+        Self { len: rows.len(), order: (0..rows.len() as u32).collect(), blocks: entries.divided(rows.len()) }
+    }
+
+    /// The number of pairs stored.
+    pub fn stored(&self) -> usize {
+        self.blocks.iter().map(|b| b.entries.values().len()).sum()
+    }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        let bytes = |e: &Entries| match e {
+            Entries::Dense(values) => 8 * values.len(),
+            Entries::Sparse { offsets, columns, values } => 8 * offsets.len() + 4 * columns.len() + 8 * values.len(),
+        };
+        4 * self.order.len() + self.blocks.iter().map(|b| bytes(&b.entries)).sum::<usize>()
+    }
+
+    /// Calls `visit(i, j, value)` for every pair that is not zero, once, in a fixed order.
+    pub fn for_each_pair(&self, mut visit: impl FnMut(usize, usize, f64)) {
+        for block in &self.blocks {
+            block.for_each(self.order.len(), |p, q, v| {
+                if v != 0.0 {
+                    visit(self.order[p] as usize, self.order[q] as usize, v);
+                }
+            });
+        }
+    }
+
+    /// The same pairs with other values: `change(i, j, value)`.
+    pub fn mapped(&self, change: impl Fn(usize, usize, f64) -> f64 + Sync) -> Self {
+        let mut other = self.clone();
+        let n = self.order.len();
+        other.blocks.par_iter_mut().for_each(|block| {
+            let mut values = Vec::with_capacity(block.entries.values().len());
+            block.for_each(n, |p, q, v| {
+                let (i, j) = (self.order[p] as usize, self.order[q] as usize);
+                values.push(if v == 0.0 { 0.0 } else { change(i, j, v) });
+            });
+            block.entries.set_values(values);
+        });
+        other
+    }
+
+    /// The entries of row `i` that are not zero, columns ascending.
+    pub fn row(&self, i: usize) -> Vec<(u32, f64)> {
+        let Some(position) = self.order.iter().position(|&k| k as usize == i) else { return Vec::new() };
+        let n = self.order.len();
+        let mut row = Vec::new();
+        for block in self.blocks.iter().take_while(|b| b.rows.start <= position) {
+            for p in block.rows.clone() {
+                if p < position {
+                    row.push((self.order[p], block.at(n, p, position)));
+                } else if p == position {
+                    block.for_row(n, p, |q, v| row.push((self.order[q], v)));
+                }
+            }
+        }
+        row.retain(|e| e.1 != 0.0);
+        row.sort_unstable_by_key(|e| e.0);
+        row
+    }
+
+    /// All entries that are not zero as compressed rows, columns ascending: offsets, columns, values.
+    pub fn to_csr(&self) -> (Vec<usize>, Vec<u32>, Vec<f64>) {
+        let mut offsets = vec![0usize; self.len + 1];
+        self.for_each_pair(|i, j, _| {
+            offsets[i + 1] += 1;
+            offsets[j + 1] += 1;
+        });
+        for k in 0..self.len {
+            offsets[k + 1] += offsets[k];
+        }
+        let mut next = offsets.clone();
+        let mut entries = vec![(0u32, 0.0); offsets[self.len]];
+        self.for_each_pair(|i, j, v| {
+            entries[next[i]] = (j as u32, v);
+            entries[next[j]] = (i as u32, v);
+            next[i] += 1;
+            next[j] += 1;
+        });
+        let mut rest = entries.as_mut_slice();
+        let mut rows = Vec::with_capacity(self.len);
+        for k in 0..self.len {
+            let (row, tail) = rest.split_at_mut(offsets[k + 1] - offsets[k]);
+            rows.push(row);
+            rest = tail;
+        }
+        rows.into_par_iter().for_each(|row| row.sort_unstable_by_key(|e| e.0));
+        (offsets, entries.iter().map(|e| e.0).collect(), entries.iter().map(|e| e.1).collect())
+    }
+
+    fn product<const C: usize>(&self, x: &[f64], y: &mut [f64]) {
+        let n = self.order.len();
+        let (x, _) = x.as_chunks::<C>();
+        let (y, _) = y.as_chunks_mut::<C>();
+        let x: Vec<[f64; C]> = self.order.iter().map(|&k| x[k as usize]).collect();
+        let sums: Vec<Vec<[f64; C]>> = self
+            .groups()
+            .into_par_iter()
+            .map(|group| {
+                let mut sum = vec![[0.0; C]; n];
+                self.blocks[group].iter().for_each(|block| block.add_product(n, &x, &mut sum));
+                sum
+            })
+            .collect();
+        y.fill([0.0; C]);
+        for (p, &k) in self.order.iter().enumerate() {
+            for sum in &sums {
+                (0..C).for_each(|c| y[k as usize][c] += sum[p][c]);
+            }
+        }
+    }
+
+    /// Runs of blocks with about the same number of entries.
+    fn groups(&self) -> Vec<Range<usize>> {
+        let share = self.stored().div_ceil(GROUPS).max(1);
+        let (mut groups, mut start, mut held) = (Vec::new(), 0, 0);
+        for (k, block) in self.blocks.iter().enumerate() {
+            held += block.entries.values().len();
+            if held >= share || k + 1 == self.blocks.len() {
+                groups.push(start..k + 1);
+                (start, held) = (k + 1, 0);
+            }
+        }
+        groups
+    }
+}
+
+impl Entries {
+    fn values(&self) -> &[f64] {
+        match self {
+            Entries::Dense(values) | Entries::Sparse { values, .. } => values,
+        }
+    }
+
+    fn set_values(&mut self, new: Vec<f64>) {
+        match self {
+            Entries::Dense(values) | Entries::Sparse { values, .. } => *values = new,
+        }
+    }
+
+    /// Compressed rows cut into blocks.
+    fn divided(self, rows: usize) -> Vec<Block> {
+        let Entries::Sparse { offsets, columns, values } = self else { unreachable!("only sparse rows are divided") };
+        let step = rows.div_ceil(GROUPS).max(1);
+        let part = |first: usize| {
+            let rows = first..(first + step).min(rows);
+            let base = offsets[rows.start];
+            let range = base..offsets[rows.end];
+            let entries = Entries::Sparse {
+                offsets: offsets[rows.start..=rows.end].iter().map(|o| o - base).collect(),
+                columns: columns[range.clone()].to_vec(),
+                values: values[range].to_vec(),
+            };
+            Block { rows, entries }
+        };
+        (0..rows).step_by(step).map(part).collect()
+    }
+}
+
+impl Block {
+    fn new(n: usize, rows: Range<usize>, values: Vec<f64>) -> Self {
+        let filled = values.iter().filter(|v| **v != 0.0).count();
+        if filled as f64 >= SPARSE_BELOW * values.len() as f64 {
+            return Self { rows, entries: Entries::Dense(values) };
+        }
+        let dense = Self { rows: rows.clone(), entries: Entries::Dense(values) };
+        let (mut offsets, mut columns, mut kept) = (vec![0], Vec::with_capacity(filled), Vec::with_capacity(filled));
+        for p in rows.clone() {
+            dense.for_row(n, p, |q, v| {
+                if v != 0.0 {
+                    columns.push(q as u32);
+                    kept.push(v);
+                }
+            });
+            offsets.push(columns.len());
+        }
+        Self { rows, entries: Entries::Sparse { offsets, columns, values: kept } }
+    }
+
+    /// Where row `p` starts among dense values.
+    fn start(&self, n: usize, p: usize) -> usize {
+        let before = p - self.rows.start;
+        // Row r has n - 1 - r entries.
+        before * (n - 1) - (self.rows.start..p).sum::<usize>()
+    }
+
+    fn for_row(&self, n: usize, p: usize, mut visit: impl FnMut(usize, f64)) {
+        match &self.entries {
+            Entries::Dense(values) => {
+                let start = self.start(n, p);
+                for (k, &v) in values[start..start + n - 1 - p].iter().enumerate() {
+                    visit(p + 1 + k, v);
+                }
+            }
+            Entries::Sparse { offsets, columns, values } => {
+                let row = p - self.rows.start;
+                for k in offsets[row]..offsets[row + 1] {
+                    visit(columns[k] as usize, values[k]);
+                }
+            }
+        }
+    }
+
+    fn for_each(&self, n: usize, mut visit: impl FnMut(usize, usize, f64)) {
+        for p in self.rows.clone() {
+            self.for_row(n, p, |q, v| visit(p, q, v));
+        }
+    }
+
+    /// One entry above the diagonal.
+    fn at(&self, n: usize, p: usize, q: usize) -> f64 {
+        match &self.entries {
+            Entries::Dense(values) => values[self.start(n, p) + q - p - 1],
+            Entries::Sparse { offsets, columns, values } => {
+                let row = p - self.rows.start;
+                let range = offsets[row]..offsets[row + 1];
+                columns[range.clone()].binary_search(&(q as u32)).map_or(0.0, |k| values[range.start + k])
+            }
+        }
+    }
+
+    fn add_product<const C: usize>(&self, n: usize, x: &[[f64; C]], y: &mut [[f64; C]]) {
+        for p in self.rows.clone() {
+            let xp = x[p];
+            let mut sum = [0.0; C];
+            match &self.entries {
+                Entries::Dense(values) => {
+                    let start = self.start(n, p);
+                    let row = &values[start..start + n - 1 - p];
+                    for ((v, x), y) in row.iter().zip(&x[p + 1..]).zip(&mut y[p + 1..]) {
+                        for c in 0..C {
+                            sum[c] += v * x[c];
+                            y[c] += v * xp[c];
+                        }
+                    }
+                }
+                Entries::Sparse { .. } => self.for_row(n, p, |q, v| {
+                    for c in 0..C {
+                        sum[c] += v * x[q][c];
+                        y[q][c] += v * xp[c];
+                    }
+                }),
+            }
+            (0..C).for_each(|c| y[p][c] += sum[c]);
+        }
+    }
+}
+
+impl Operator for Symmetric {
+    fn len(&self) -> usize {
+        self.len
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64], columns: usize) {
+        match columns {
+            1 => self.product::<1>(x, y),
+            3 => self.product::<3>(x, y),
+            4 => self.product::<4>(x, y),
+            // Column by column: other numbers of bands are rare.
+            _ => {
+                let mut column = vec![0.0; self.len];
+                for c in 0..columns {
+                    let one: Vec<f64> = x.iter().skip(c).step_by(columns).copied().collect();
+                    self.product::<1>(&one, &mut column);
+                    y.iter_mut().skip(c).step_by(columns).zip(&column).for_each(|(y, v)| *y = *v);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Dense, conformance};
+
+    /// Entry of a symmetric example; `fill` of a hundred pairs are not zero.
+    fn entry(i: usize, j: usize, fill: usize) -> f64 {
+        let (a, b) = (i.min(j), i.max(j));
+        let hash = (a * 7919 + b * 104_729) % 100;
+        if a != b && hash < fill { 0.1 + hash as f64 * 0.01 } else { 0.0 }
+    }
+
+    fn blocks(n: usize, order: &[u32], fill: usize) -> Symmetric {
+        let step = 7;
+        let row = |p: usize| (p + 1..n).map(move |q| entry(order[p] as usize, order[q] as usize, fill));
+        let block =
+            |first: usize| (first..(first + step).min(n), (first..(first + step).min(n)).flat_map(row).collect());
+        Symmetric::from_dense_blocks(n, order.to_vec(), (0..n).step_by(step).map(block).collect())
+    }
+
+    #[test]
+    fn conforms_dense_and_sparse_in_any_order() {
+        let n = 60;
+        let order: Vec<u32> = (0..n as u32).map(|k| (k * 17) % n as u32).collect();
+        for fill in [100, 70, 20, 0] {
+            let operator = blocks(n, &order, fill);
+            if fill > 0 {
+                conformance::check(&operator);
+            }
+            let dense = Dense::new(n, (0..n * n).map(|k| entry(k / n, k % n, fill)).collect());
+            let x: Vec<f64> = (0..n).map(|k| (k as f64).sin()).collect();
+            let (mut y, mut z) = (vec![0.0; n], vec![0.0; n]);
+            operator.apply(&x, &mut y, 1);
+            dense.apply(&x, &mut z, 1);
+            assert!(y.iter().zip(&z).all(|(a, b)| (a - b).abs() < 1e-12));
+            let (offsets, columns, values) = operator.to_csr();
+            for i in 0..n {
+                let row: Vec<(u32, f64)> =
+                    (0..n as u32).map(|j| (j, entry(i, j as usize, fill))).filter(|e| e.1 != 0.0).collect();
+                assert_eq!(operator.row(i), row);
+                let range = offsets[i]..offsets[i + 1];
+                assert!(columns[range.clone()].iter().zip(&values[range]).map(|(c, v)| (*c, *v)).eq(row));
+            }
+        }
+    }
+
+    #[test]
+    fn sparse_rows_conform_and_can_be_changed() {
+        let n = 50;
+        let rows: Vec<Vec<(u32, f64)>> =
+            (0..n).map(|i| (i + 1..n).map(|j| (j as u32, entry(i, j, 30))).filter(|e| e.1 != 0.0).collect()).collect();
+        let operator = Symmetric::from_sparse_rows(&rows);
+        conformance::check(&operator);
+        let doubled = operator.mapped(|_, _, v| 2.0 * v);
+        assert_eq!(doubled.stored(), operator.stored());
+        assert!(doubled.row_sums().iter().zip(operator.row_sums()).all(|(a, b)| (a - 2.0 * b).abs() < 1e-12));
+    }
+
+    #[test]
+    fn numbers_without_a_row_have_none() {
+        let operator = Symmetric::from_dense_blocks(4, vec![3, 0], vec![(0..2, vec![0.5])]);
+        assert_eq!(operator.row_sums(), [0.5, 0.0, 0.0, 0.5]);
+        assert_eq!(operator.row(1), []);
+    }
+}
