@@ -6,7 +6,7 @@
 //! 1. **Horizons.** What is behind the other's plane is cut off; pairs of which nothing is left do not exchange.
 //! 2. **Unoccluded exchange.** Gauss points on both areas where they are apart, contours where they are near or touch.
 //! 3. **Occlusion.** Full, none or partial, decided so that it errs toward partial; of partial pairs the hidden part
-//!    is integrated and taken off.
+//!    is taken off: by a few rays where these tell enough, else integrated.
 //!
 //! Errors: `tolerance` T is shared so that each F_ij is within T and each row sum is too. A pair seen in full may err by
 //! `T F_ij / 2`, all in one direction. Partial pairs err in either direction: `T sqrt(F_ij) / 2` each makes no more than
@@ -21,7 +21,8 @@ use crate::kernels::contour::{contour, is_closed_form};
 use crate::kernels::nusselt::{covered, nusselt};
 use crate::quadrature::PlaneRule;
 use crate::visibility::fragments::Fragments;
-use crate::visibility::hidden::{End, Hidden};
+use crate::visibility::hidden::{End, Estimate, Hidden};
+use crate::visibility::rays::{self, Points, Rays, enough_rays};
 use crate::visibility::shaft::{Sight, between};
 use crate::visibility::{Blockers, Shaft};
 use glam::DVec3;
@@ -49,6 +50,8 @@ pub struct Settings {
     pub kernel: Kernel,
     /// The error allowed of a form factor and of a row sum.
     pub tolerance: f64,
+    /// Of the rays between pairs.
+    pub seed: u64,
 }
 
 /// What was done, in pairs.
@@ -64,6 +67,10 @@ pub struct Tally {
     pub by_areas: u64,
     /// By contour integrals.
     pub by_contour: u64,
+    /// Hidden parts by rays.
+    pub by_rays: u64,
+    /// Rays cast.
+    pub rays: u64,
     /// Partial pairs whose error is estimated above what they were allowed.
     pub unresolved: u64,
     /// The greatest error estimate of a form factor among partial pairs.
@@ -80,6 +87,8 @@ impl Tally {
             hidden: self.hidden + other.hidden,
             by_areas: self.by_areas + other.by_areas,
             by_contour: self.by_contour + other.by_contour,
+            by_rays: self.by_rays + other.by_rays,
+            rays: self.rays + other.rays,
             unresolved: self.unresolved + other.unresolved,
             worst_error: self.worst_error.max(other.worst_error),
             disagreement: self.disagreement.max(other.disagreement),
@@ -90,16 +99,21 @@ impl Tally {
 /// Bytes that all pairs of so many sides may take.
 pub fn forecast(sides: usize) -> u64 {
     let n = sides as u64;
-    4 * n * n.saturating_sub(1) + Nodes::forecast(sides) as u64
+    4 * n * n.saturating_sub(1) + (Nodes::forecast(sides) + Points::forecast(sides)) as u64
 }
 
 /// The exchange of all pairs, by the numbers of the sides.
 pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) -> Result<(Symmetric, Tally), Cancelled> {
     let facets = Facets::new(enclosure);
     let n = facets.list.len();
+    let blockers = Blockers::new(enclosure, facets.extent);
+    let is_auto = matches!(settings.kernel, Kernel::Auto);
+    let when = |needed: bool| if needed { facets.list.as_slice() } else { &[] };
     let scene = Scene {
-        blockers: Blockers::new(enclosure, facets.extent),
-        nodes: Nodes::new(if matches!(settings.kernel, Kernel::Auto) { &facets.list } else { &[] }),
+        enclosure,
+        nodes: Nodes::new(when(is_auto)),
+        points: Points::new(enclosure, when(is_auto && !blockers.list.is_empty()), settings.seed),
+        blockers,
         orders: Orders::new(0.5 * settings.tolerance),
         facets,
         settings,
@@ -127,9 +141,11 @@ pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) ->
 
 /// What all tasks read.
 struct Scene<'a> {
+    enclosure: &'a Enclosure,
     facets: Facets,
     blockers: Blockers,
     nodes: Nodes,
+    points: Points,
     orders: Orders,
     settings: &'a Settings,
 }
@@ -141,6 +157,7 @@ struct Scratch {
     lists: Vec<Vec<u32>>,
     kept: Vec<u32>,
     hidden: Hidden,
+    rays: Rays,
     fragments: Fragments,
     /// Polygons cut at horizons.
     first: Vec<DVec3>,
@@ -167,6 +184,9 @@ enum Side {
     Behind,
     Across,
 }
+
+/// So few rays are cast without asking first whether a pair is seen in full.
+const FEW_RAYS: usize = 16;
 
 /// Coordinates of points meant to lie in a plane are off by rounding: relative to the scene.
 const ROUNDING: f64 = 1e-13;
@@ -228,7 +248,7 @@ impl<'a> Task<'a> {
                     _ => self.across(i, j, candidates),
                 }
             }
-            self.finish_batch(i);
+            self.finish_batch(i, candidates);
         }
     }
 
@@ -267,7 +287,7 @@ impl<'a> Task<'a> {
     /// A pair wholly in front of each other.
     fn in_front(&mut self, i: usize, j: usize, candidates: &[u32]) {
         let (a, b) = (&self.scene.facets.list[i], &self.scene.facets.list[j]);
-        if candidates.is_empty() && matches!(self.scene.settings.kernel, Kernel::Auto) {
+        if matches!(self.scene.settings.kernel, Kernel::Auto) {
             let r = b.centre - a.centre;
             let order =
                 self.scene.orders.choose(r.length_squared(), a.radius + b.radius, a.normal.dot(r), -b.normal.dot(r));
@@ -296,44 +316,79 @@ impl<'a> Task<'a> {
 
     /// A pair with what may be between.
     fn measure(&mut self, i: usize, j: usize, first: End, second: End, candidates: &[u32]) {
+        let value = if let Kernel::Nusselt(rule) = &self.scene.settings.kernel {
+            self.by_nusselt(first, second, rule, candidates)
+        } else {
+            let (whole, are_apart) = self.unoccluded(first, second);
+            self.less_hidden((i, j), first, second, whole, are_apart, candidates)
+        };
+        *self.value_mut(i, j) = value;
+    }
+
+    /// What is between of all that may be, in `scratch.kept`.
+    fn between(&mut self, first: End, second: End, candidates: &[u32]) -> Sight {
         let Blockers { list, contact } = &self.scene.blockers;
-        let mut kept = std::mem::take(&mut self.scratch.kept);
         let ends = ((first.facet, first.polygon), (second.facet, second.polygon));
-        match between(list, candidates, ends.0, ends.1, *contact, &mut kept) {
+        let sight = between(list, candidates, ends.0, ends.1, *contact, &mut self.scratch.kept);
+        match sight {
+            Sight::Full => self.tally.full += 1,
             Sight::None => self.tally.hidden += 1,
-            sight => {
-                let value = match &self.scene.settings.kernel {
-                    Kernel::Nusselt(rule) => self.by_nusselt(first, second, rule, &kept),
-                    _ => self.less_hidden(first, second, &kept),
-                };
-                match sight {
-                    Sight::Full => self.tally.full += 1,
-                    _ => self.tally.partial += 1,
-                }
-                *self.value_mut(i, j) = value;
-            }
+            Sight::Partial => self.tally.partial += 1,
         }
-        self.scratch.kept = kept;
+        sight
     }
 
     /// The unoccluded exchange less what blockers hide.
-    fn less_hidden(&mut self, first: End, second: End, blockers: &[u32]) -> f64 {
-        let whole = self.unoccluded(first, second);
-        if blockers.is_empty() || whole <= 0.0 {
+    fn less_hidden(
+        &mut self,
+        pair: (usize, usize),
+        first: End,
+        second: End,
+        whole: f64,
+        are_apart: bool,
+        candidates: &[u32],
+    ) -> f64 {
+        if candidates.is_empty() || whole <= 0.0 {
+            self.tally.full += 1;
             return whole.max(0.0);
         }
         let smaller = first.facet.area.min(second.facet.area);
         let allowed = 0.5 * self.scene.settings.tolerance * (whole * smaller).sqrt();
-        let Blockers { list, contact } = &self.scene.blockers;
-        let hidden = self.scratch.hidden.exchange(first, second, list, blockers, allowed, *contact);
-        self.tally.unresolved += u64::from(hidden.error > allowed);
+        let rays = enough_rays(allowed / whole).filter(|_| are_apart);
+        let hidden = match rays {
+            // A few rays cost less than to find out whether they are needed.
+            Some(rays) if rays <= FEW_RAYS => {
+                self.tally.partial += 1;
+                self.hidden_by_rays(pair, whole, rays)
+            }
+            _ => match (self.between(first, second, candidates), rays) {
+                (Sight::None, _) => return 0.0,
+                (Sight::Full, _) => return whole,
+                (Sight::Partial, Some(rays)) => self.hidden_by_rays(pair, whole, rays),
+                (Sight::Partial, None) => {
+                    let Blockers { list, contact } = &self.scene.blockers;
+                    let Scratch { hidden, kept, .. } = &mut *self.scratch;
+                    hidden.exchange(first, second, list, kept, allowed, *contact)
+                }
+            },
+        };
+        self.tally.unresolved += u64::from(hidden.error > 1.01 * allowed);
         self.tally.worst_error = self.tally.worst_error.max(hidden.error / smaller);
         let left = whole - hidden.value;
         // What rounding leaves of a pair that is hidden altogether is nothing.
         if left > 1e-13 * whole { left } else { 0.0 }
     }
 
-    fn unoccluded(&mut self, first: End, second: End) -> f64 {
+    fn hidden_by_rays(&mut self, pair: (usize, usize), whole: f64, count: usize) -> Estimate {
+        let Scene { enclosure, points, facets, .. } = self.scene;
+        let share = self.scratch.rays.hidden_share(enclosure, points, &facets.list, pair, count);
+        self.tally.by_rays += 1;
+        self.tally.rays += count as u64;
+        Estimate { value: share * whole, error: rays::error_of(share, count) * whole }
+    }
+
+    /// The exchange if nothing stood between, and whether the pair is well apart.
+    fn unoccluded(&mut self, first: End, second: End) -> (f64, bool) {
         let settings = self.scene.settings;
         let (a, b) = (Extent::of(first), Extent::of(second));
         let r = b.centre - a.centre;
@@ -343,7 +398,8 @@ impl<'a> Task<'a> {
             && let Some(order) = self.scene.orders.choose(r.length_squared(), radii, h1, h2)
         {
             self.tally.by_areas += 1;
-            return areas(first.polygon, first.facet.normal, second.polygon, second.facet.normal, order);
+            let whole = areas(first.polygon, first.facet.normal, second.polygon, second.facet.normal, order);
+            return (whole, true);
         }
         self.tally.by_contour += 1;
         let smaller = first.facet.area.min(second.facet.area);
@@ -355,12 +411,15 @@ impl<'a> Task<'a> {
             Kernel::Analytic => 1e-12,
             _ => 0.1 * settings.tolerance,
         };
-        contour(first.polygon, second.polygon, tolerance * most * smaller)
+        (contour(first.polygon, second.polygon, tolerance * most * smaller), false)
     }
 
-    fn by_nusselt(&mut self, first: End, second: End, rule: &PlaneRule, blockers: &[u32]) -> f64 {
+    fn by_nusselt(&mut self, first: End, second: End, rule: &PlaneRule, candidates: &[u32]) -> f64 {
+        if self.between(first, second, candidates) == Sight::None {
+            return 0.0;
+        }
         let Blockers { list, contact } = &self.scene.blockers;
-        let fragments = &mut self.scratch.fragments;
+        let Scratch { fragments, kept: blockers, .. } = &mut *self.scratch;
         let mut from = |source: End, target: End| {
             let normal = source.facet.normal;
             nusselt(source.polygon, rule, |x| {
@@ -380,17 +439,20 @@ impl<'a> Task<'a> {
         0.5 * (there + back)
     }
 
-    /// Sums the Gauss points of the pairs put aside.
-    fn finish_batch(&mut self, i: usize) {
+    /// Sums the Gauss points of the pairs put aside and takes off what is hidden.
+    fn finish_batch(&mut self, i: usize, candidates: &[u32]) {
         let batch = std::mem::take(&mut self.scratch.batch);
-        self.scratch.exchange.resize(batch.len(), 0.0);
-        self.scene.nodes.row(i, &batch, &mut self.scratch.exchange);
-        for k in 0..batch.len() {
-            *self.value_mut(i, batch[k].0 as usize) = self.scratch.exchange[k];
-        }
-        self.tally.full += batch.len() as u64;
+        let mut exchange = std::mem::take(&mut self.scratch.exchange);
+        exchange.resize(batch.len(), 0.0);
+        self.scene.nodes.row(i, &batch, &mut exchange);
         self.tally.by_areas += batch.len() as u64;
-        self.scratch.batch = batch;
+        let facets = &self.scene.facets.list;
+        for (&(j, _), &whole) in batch.iter().zip(&exchange) {
+            let end = |k: usize| End { facet: &facets[k], polygon: facets[k].corners() };
+            let j = j as usize;
+            *self.value_mut(i, j) = self.less_hidden((i, j), end(i), end(j), whole, true, candidates);
+        }
+        (self.scratch.batch, self.scratch.exchange) = (batch, exchange);
     }
 
     fn value_mut(&mut self, i: usize, j: usize) -> &mut f64 {

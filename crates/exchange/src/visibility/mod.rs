@@ -6,10 +6,12 @@
 //! 2. [`shaft`]: which of them could block between two boxes, or between two facets.
 //! 3. [`fragments`]: what is visible of a polygon from a point, exactly, as convex fragments.
 //! 4. [`hidden`]: the exchange that blockers hide between two polygons, by adaptive cubature over one of them.
+//! 5. [`rays`]: the same by a few rays, where that is accurate enough.
 
 pub mod blockers;
 pub mod fragments;
 pub mod hidden;
+pub mod rays;
 pub mod shaft;
 
 pub use blockers::{Blocker, Blockers};
