@@ -4,7 +4,7 @@ use crate::lighting::Lighting;
 use crate::solve::Measurement;
 use crate::transport::Transport;
 use radiosity_exchange::{Elements, Luminaire, Shot};
-use radiosity_operator::{Cancelled, Control, Operator};
+use radiosity_operator::{Cancelled, Control};
 use radiosity_solvers::{Problem, SolveOptions, SolveReport};
 use rayon::prelude::*;
 
@@ -62,20 +62,6 @@ impl Task<'_> {
     pub fn answer(&self) -> Result<Answer, Cancelled> {
         let (radiosity, solver) = self.solve_on_sides(&self.measurement.exchange.exposed_area)?;
         self.finish_all(&self.elements(), SWEEPS, &radiosity, solver)
-    }
-
-    /// Solves `B = E + rho F B` on sides and leaves it at that; the replicates serve the error estimate.
-    pub fn answer_as_is(&self) -> Result<Answer, Cancelled> {
-        let enclosure = self.transport().enclosure();
-        let area: Vec<f64> = (0..self.sides()).map(|side| enclosure.area(side)).collect();
-        let (radiosity, solver) = self.solve_on_sides(&area)?;
-        let mut answer = self.finish_all(&Elements::whole(enclosure), 0, &radiosity, solver)?;
-        self.measurement.exchange.operator.apply(&radiosity, &mut answer.irradiance, self.lighting.bands);
-        let incident = self.incident(&area);
-        for (k, h) in answer.irradiance.iter_mut().enumerate() {
-            *h = ratio(*h, area[k / self.lighting.bands]) + incident[k];
-        }
-        Ok(answer)
     }
 
     /// `B = E + rho H`, sides x bands.

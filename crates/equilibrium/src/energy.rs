@@ -47,9 +47,14 @@ impl Energy {
                 energy.lost_on_backs[b] += area * answer.lost[k];
             }
         }
-        let worst = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-        energy.imbalance = (0..bands).map(|b| energy.unexplained(b)).fold(0.0, worst);
+        energy.balance();
         energy
+    }
+
+    /// Works out the imbalance.
+    pub(crate) fn balance(&mut self) {
+        let worst = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        self.imbalance = (0..self.emitted.len()).map(|b| self.unexplained(b)).fold(0.0, worst);
     }
 
     fn unexplained(&self, band: usize) -> f64 {

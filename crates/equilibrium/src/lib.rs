@@ -15,6 +15,7 @@
 pub mod answer;
 pub mod energy;
 pub mod error;
+pub mod given;
 pub mod lighting;
 pub mod plan;
 pub mod report;
@@ -22,7 +23,8 @@ pub mod solve;
 pub mod transport;
 
 pub use energy::Energy;
+pub use given::solve_given;
 pub use lighting::{Lamp, Lighting};
 pub use report::{Limit, Report};
-pub use solve::{Closure, Failure, Measurement, Method, Settings, Solution, relight, solve};
+pub use solve::{Closure, Failure, Measurement, Method, Settings, Solution, Source, relight, solve};
 pub use transport::Transport;

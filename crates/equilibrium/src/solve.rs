@@ -2,12 +2,13 @@
 
 use crate::answer::{Answer, Solver, Task, ratio};
 use crate::error::{Estimate, estimate};
+use crate::given::solve_given;
 use crate::lighting::Lighting;
 use crate::plan::{Kind, plan};
 use crate::report::{Limit, Report, Seconds};
 use crate::transport::Transport;
 use radiosity_exchange::operator::ElementExchange;
-use radiosity_exchange::{Elements, Enclosure};
+use radiosity_exchange::{Elements, Enclosure, FormFactors};
 use radiosity_operator::{Cancelled, Control};
 use radiosity_solvers::{SolveOptions, Stop, conjugate_gradient, jacobi};
 use std::sync::Arc;
@@ -20,6 +21,15 @@ pub enum Method {
     ConjugateGradient,
     /// Plainest.
     Jacobi,
+}
+
+impl Method {
+    pub(crate) fn solver(self) -> Solver {
+        match self {
+            Method::ConjugateGradient => conjugate_gradient,
+            Method::Jacobi => jacobi,
+        }
+    }
 }
 
 /// What to do about row sums that sampling left off their known values.
@@ -98,8 +108,27 @@ pub struct Solution {
     pub error: Vec<f64>,
     /// What the solve says about itself.
     pub report: Report,
-    /// The measured exchange, for another lighting of the same geometry.
-    pub measurement: Arc<Measurement>,
+    /// What it was solved on, for another lighting of the same geometry.
+    pub source: Source,
+}
+
+/// What a solution was solved on.
+#[derive(Clone)]
+pub enum Source {
+    /// Samples taken to an accuracy.
+    Measured(Arc<Measurement>),
+    /// Form factors, as they were given.
+    Given(Arc<FormFactors>),
+}
+
+impl Source {
+    /// The geometry.
+    pub fn enclosure(&self) -> &Arc<Enclosure> {
+        match self {
+            Source::Measured(measurement) => measurement.transport.enclosure(),
+            Source::Given(factors) => &factors.enclosure,
+        }
+    }
 }
 
 /// Samples with the operator they add up to.
@@ -110,17 +139,9 @@ pub struct Measurement {
     pub exchange: ElementExchange,
     /// The operator is built from one sample in this many.
     pub thinning: u32,
-    /// Whether the operator is to be solved as it is, side by side, and nothing added.
-    pub is_raw: bool,
 }
 
 impl Measurement {
-    /// Builds the operator of all samples, rows as measured.
-    pub fn raw(transport: Transport) -> Self {
-        let exchange = transport.on(&Elements::whole(transport.enclosure()), 1, None);
-        Self { transport, exchange, thinning: 1, is_raw: true }
-    }
-
     /// Builds the operator of a share of the samples, rows scaled to their known sums.
     fn balanced(transport: Transport, lighting: &Lighting, settings: &Settings) -> Self {
         // What rows lack is lost at every bounce: it counts 1 / (1 - rho) times.
@@ -130,12 +151,12 @@ impl Measurement {
         };
         let balance = (tolerance, MOST_BALANCINGS);
         let exchange = transport.on(&Elements::whole(transport.enclosure()), THINNING, Some(balance));
-        Self { transport, exchange, thinning: THINNING, is_raw: false }
+        Self { transport, exchange, thinning: THINNING }
     }
 }
 
 /// Independent replicates: enough for an estimate of the error, few enough that each is long.
-const REPLICATES: usize = 4;
+pub(crate) const REPLICATES: usize = 4;
 
 /// The operator is built from one ray in this many: the noise it leaves in the radiosity of single sides averages out
 /// in the gather, which uses all rays, and the error estimate accounts for it.
@@ -145,7 +166,7 @@ const THINNING: u32 = 4;
 const MOST_BALANCINGS: usize = 500;
 
 /// Far beyond what reflectances below 0.999 need.
-const MOST_ITERATIONS: usize = 100_000;
+pub(crate) const MOST_ITERATIONS: usize = 100_000;
 
 /// A round multiplies the samples of a side by at most this.
 const GROWTH: u32 = 32;
@@ -201,19 +222,20 @@ pub fn solve(
     unreachable!("the loop ends by returning")
 }
 
-/// Solves again on samples already taken: same geometry, other lamps or paint.
-///
-/// On a raw measurement this is `B = E + rho F B` with the form factors as measured, to 1e-9.
+/// Solves again on what a solution was solved on: same geometry, other lamps or paint.
 pub fn relight(
-    measurement: &Arc<Measurement>,
+    source: &Source,
     lighting: &Lighting,
     settings: &Settings,
     control: &Control,
 ) -> Result<Solution, Failure> {
+    let measurement = match source {
+        Source::Measured(measurement) => measurement,
+        Source::Given(factors) => return solve_given(factors, lighting, settings, control),
+    };
     let start = Instant::now();
-    let closure = if measurement.is_raw { Closure::Exact } else { settings.closure };
-    let task = task(measurement, lighting, &Settings { closure, ..settings.clone() }, control);
-    let answer = if measurement.is_raw { task.answer_as_is()? } else { task.answer()? };
+    let task = task(measurement, lighting, settings, control);
+    let answer = task.answer()?;
     let estimate = estimate(&task, &answer)?;
     let limit = if estimate.relative <= settings.accuracy { Limit::Accuracy } else { Limit::Samples };
     let total = start.elapsed().as_secs_f64();
@@ -230,7 +252,13 @@ fn solution(
     report: Report,
     measurement: Arc<Measurement>,
 ) -> Solution {
-    Solution { irradiance: answer.irradiance, radiosity, error: estimate.standard_error, report, measurement }
+    Solution {
+        irradiance: answer.irradiance,
+        radiosity,
+        error: estimate.standard_error,
+        report,
+        source: Source::Measured(measurement),
+    }
 }
 
 /// Rays and light samples per replicate to begin with: few enough to be surpassed, enough to plan by.
@@ -264,10 +292,7 @@ fn task<'a>(
         Closure::Balanced => 0.02 * settings.accuracy.min(0.1) * (1.0 - highest),
         Closure::Exact => 1e-9 * (1.0 - highest),
     };
-    let solver: Solver = match settings.method {
-        Method::ConjugateGradient => conjugate_gradient,
-        Method::Jacobi => jacobi,
-    };
+    let solver = settings.method.solver();
     let options = SolveOptions { tolerance, max_iterations: MOST_ITERATIONS };
     Task { measurement, lighting, solver, options, control }
 }
@@ -352,16 +377,17 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
         residual: answer.solver.residuals.last().copied().unwrap_or(0.0),
         converged: answer.solver.stop == Stop::Converged,
         energy: estimate.energy.clone(),
-        closure: closure(exchange),
+        closure: closure(&exchange.raw_closure, &exchange.exposed_area),
         closure_residual: exchange.imbalance,
         memory_bytes: enclosure.memory_bytes() + transport.memory_bytes() + exchange.operator.memory_bytes(),
         seconds: Seconds::default(),
     }
 }
 
-fn closure(exchange: &ElementExchange) -> (f64, f64, f64) {
+/// The least, the mean by area and the greatest of row sums.
+pub(crate) fn closure(sums: &[f64], areas: &[f64]) -> (f64, f64, f64) {
     let (mut least, mut most, mut sum, mut area) = (f64::INFINITY, 0.0f64, 0.0, 0.0);
-    for (closure, a) in exchange.raw_closure.iter().zip(&exchange.exposed_area).filter(|(_, a)| **a > 0.0) {
+    for (closure, a) in sums.iter().zip(areas).filter(|(_, a)| **a > 0.0) {
         least = least.min(*closure);
         most = most.max(*closure);
         sum += closure * a;

@@ -40,20 +40,6 @@ impl Transport {
         }
     }
 
-    /// The same rays beside other luminaires, `per_replicate` samples of them from every side.
-    pub fn with_luminaires(
-        &self,
-        luminaires: Luminaires,
-        per_replicate: u32,
-        control: &Control,
-    ) -> Result<Self, Cancelled> {
-        let mut other = Self::new(self.enclosure.clone(), luminaires, self.shots.replicates(), self.seed);
-        other.shots = self.shots.clone();
-        let wanted = vec![per_replicate; self.enclosure.sides()];
-        other.luminaires.sample(&other.enclosure, &mut other.lights, &wanted, other.seed, control)?;
-        Ok(other)
-    }
-
     /// Samples until every side has what is wanted, per replicate.
     pub fn refine(&mut self, rays: &[u32], lights: &[u32], control: &Control) -> Result<(), Cancelled> {
         shots::shoot(&self.enclosure, &mut self.shots, rays, self.seed, control)?;

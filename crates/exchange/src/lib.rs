@@ -3,6 +3,7 @@
 pub mod elements;
 pub mod enclosure;
 pub mod facets;
+pub mod factors;
 pub mod kernels;
 pub mod luminaires;
 pub mod operator;
@@ -11,10 +12,12 @@ pub mod quadrature;
 pub mod rows;
 pub mod samples;
 pub mod shots;
+pub mod smoothing;
 pub mod visibility;
 
 pub use elements::Elements;
 pub use enclosure::Enclosure;
+pub use factors::FormFactors;
 pub use luminaires::{LightSample, Luminaire};
 pub use rows::Rows;
 pub use samples::Samples;

@@ -17,3 +17,11 @@ pub fn failure(error: Failure) -> PyErr {
         Failure::Memory { .. } => ResourceError::new_err(error.to_string()),
     }
 }
+
+pub fn factors(error: radiosity_exchange::factors::Failure) -> PyErr {
+    use radiosity_exchange::factors::Failure;
+    match error {
+        Failure::Cancelled => pyo3::exceptions::PyKeyboardInterrupt::new_err(error.to_string()),
+        Failure::Memory { .. } => ResourceError::new_err(error.to_string()),
+    }
+}

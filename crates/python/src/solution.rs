@@ -7,9 +7,8 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use radiosity_equilibrium::{Closure, Failure, Lamp, Lighting, Measurement, Method, Report, Settings};
+use radiosity_equilibrium::{Closure, Failure, Lamp, Lighting, Method, Report, Settings, Source};
 use radiosity_exchange::Luminaire;
-use std::sync::Arc;
 
 /// The equilibrium of light on an enclosure.
 #[pyclass(frozen, module = "radiosity._native")]
@@ -40,7 +39,7 @@ impl Solution {
 
     /// Irradiance, radiosity and error of the backs of the two-sided patches, in patch order.
     fn backs<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray2<f64>>; 3] {
-        let enclosure = self.inner.measurement.transport.enclosure();
+        let enclosure = self.inner.source.enclosure();
         let range = enclosure.patches().len()..enclosure.sides();
         [&self.inner.irradiance, &self.inner.radiosity, &self.inner.error]
             .map(|values| convert::rows_out(py, values, range.clone(), self.bands))
@@ -67,7 +66,7 @@ impl Solution {
     ) -> PyResult<Solution> {
         relight(
             py,
-            &self.inner.measurement,
+            &self.inner.source,
             reflectance,
             emission,
             lamps,
@@ -84,7 +83,7 @@ impl Solution {
     }
 
     fn fronts<'py>(&self, py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray2<f64>> {
-        convert::rows_out(py, values, 0..self.inner.measurement.transport.enclosure().patches().len(), self.bands)
+        convert::rows_out(py, values, 0..self.inner.source.enclosure().patches().len(), self.bands)
     }
 }
 
@@ -118,7 +117,7 @@ pub fn solve(
 
 fn relight(
     py: Python<'_>,
-    measurement: &Arc<Measurement>,
+    source: &Source,
     reflectance: PyReadonlyArray2<'_, f64>,
     emission: PyReadonlyArray2<'_, f64>,
     lamps: Vec<LightTuple>,
@@ -126,9 +125,9 @@ fn relight(
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Solution> {
-    let lighting = lighting_in(measurement.transport.enclosure(), reflectance, emission, lamps)?;
+    let lighting = lighting_in(source.enclosure(), reflectance, emission, lamps)?;
     let result = watch::run(py, threads, progress.as_ref(), |control| {
-        radiosity_equilibrium::relight(measurement, &lighting, settings, control)
+        radiosity_equilibrium::relight(source, &lighting, settings, control)
     })?;
     Solution::new(result, lighting.bands)
 }

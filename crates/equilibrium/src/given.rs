@@ -1,0 +1,227 @@
+//! Solving on form factors that are given: `B = E + rho F B` exactly as they are, side by side.
+//!
+//! The error of the answer is what the errors of the form factors make of it. Where rays found them, each has a standard
+//! error and what a side receives has the root of the sum of squares. Where they were found to a tolerance, a row is
+//! off by that much of what it sees. Both go through the interreflections as light does, all in one direction.
+
+use crate::answer::ratio;
+use crate::energy::Energy;
+use crate::lighting::{Lamp, Lighting};
+use crate::report::{Limit, Report, Seconds};
+use crate::solve::{Failure, MOST_ITERATIONS, REPLICATES, Settings, Solution, Source, closure};
+use radiosity_exchange::luminaires::Luminaires;
+use radiosity_exchange::{FormFactors, LightSample, Samples};
+use radiosity_operator::{Cancelled, Control, Operator};
+use radiosity_solvers::{Problem, SolveOptions, Stop};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Tests of lights without area from every side, per replicate.
+const LIGHT_SAMPLES: u32 = 1024;
+
+/// Solves the equations on given form factors to 1e-9.
+pub fn solve_given(
+    factors: &Arc<FormFactors>,
+    lighting: &Lighting,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Solution, Failure> {
+    let start = Instant::now();
+    let task = Task::new(factors, lighting, settings, control)?;
+    let (radiosity, solver) = task.solve(&task.emission, &task.incident.mean)?;
+    let irradiance = task.irradiance(&radiosity, &task.incident.mean);
+    let error = task.error(&radiosity)?;
+    let energy = task.energy(&radiosity, &irradiance);
+    let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
+    for (k, h) in irradiance.iter().enumerate() {
+        let area = task.area[k / lighting.bands];
+        squares += area * error[k] * error[k];
+        level += area * h;
+        whole += area;
+    }
+    let estimated_error = ratio((squares * whole).sqrt(), level);
+    let sums: Vec<f64> = factors.operator.row_sums().iter().zip(&task.area).map(|(s, a)| ratio(*s, *a)).collect();
+    let total = start.elapsed().as_secs_f64();
+    let report = Report {
+        accuracy: settings.accuracy,
+        estimated_error,
+        sampling_error: estimated_error,
+        limited_by: Some(if estimated_error <= settings.accuracy { Limit::Accuracy } else { Limit::Samples }),
+        patches: factors.enclosure.patches().len(),
+        sides: task.area.len(),
+        luminaires: lighting.lamps.len(),
+        rays: if factors.standard_error.is_some() { factors.report.samples * task.area.len() as u64 } else { 0 },
+        shadow_rays: task.incident.tests,
+        iterations: solver.iterations,
+        residual: solver.residuals.last().copied().unwrap_or(0.0),
+        converged: solver.stop == Stop::Converged,
+        closure: closure(&sums, &task.area),
+        energy,
+        memory_bytes: factors.enclosure.memory_bytes() + factors.operator.memory_bytes(),
+        seconds: Seconds { sampling: 0.0, solving: total, total },
+        ..Report::default()
+    };
+    Ok(Solution { irradiance, radiosity, error, report, source: Source::Given(factors.clone()) })
+}
+
+/// What stays the same through one solve. Blocks are sides x bands.
+struct Task<'a> {
+    factors: &'a FormFactors,
+    lighting: &'a Lighting,
+    settings: &'a Settings,
+    control: &'a Control,
+    area: Vec<f64>,
+    reflectance: Vec<f64>,
+    emission: Vec<f64>,
+    incident: Incident,
+}
+
+/// Irradiance straight from lights without area.
+struct Incident {
+    mean: Vec<f64>,
+    standard_error: Vec<f64>,
+    tests: u64,
+}
+
+impl<'a> Task<'a> {
+    fn new(
+        factors: &'a FormFactors,
+        lighting: &'a Lighting,
+        settings: &'a Settings,
+        control: &'a Control,
+    ) -> Result<Self, Cancelled> {
+        let enclosure = &factors.enclosure;
+        let per_side = |of: &dyn Fn(usize) -> &'a [f64]| -> Vec<f64> {
+            (0..enclosure.sides()).flat_map(|side| of(enclosure.patch_of(side))).copied().collect()
+        };
+        Ok(Self {
+            area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
+            reflectance: per_side(&|patch| lighting.reflectance_of(patch)),
+            emission: per_side(&|patch| lighting.emission_of(patch)),
+            incident: Incident::new(factors, lighting, settings, control)?,
+            factors,
+            lighting,
+            settings,
+            control,
+        })
+    }
+
+    fn solve(
+        &self,
+        emission: &[f64],
+        incident: &[f64],
+    ) -> Result<(Vec<f64>, radiosity_solvers::SolveReport), Cancelled> {
+        let problem = Problem {
+            exchange: &self.factors.operator,
+            area: &self.area,
+            reflectance: &self.reflectance,
+            emission,
+            incident,
+            bands: self.lighting.bands,
+        };
+        let tolerance = 1e-9 * (1.0 - self.lighting.highest_reflectance());
+        let options = SolveOptions { tolerance, max_iterations: MOST_ITERATIONS };
+        (self.settings.method.solver())(&problem, &options, self.control)
+    }
+
+    /// `F x`.
+    fn gather(&self, operator: &dyn Operator, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        operator.apply(x, &mut y, self.lighting.bands);
+        y.iter_mut().enumerate().for_each(|(k, v)| *v = ratio(*v, self.area[k / self.lighting.bands]));
+        y
+    }
+
+    fn irradiance(&self, radiosity: &[f64], incident: &[f64]) -> Vec<f64> {
+        self.gather(&self.factors.operator, radiosity).iter().zip(incident).map(|(h, i)| h + i).collect()
+    }
+
+    /// The error of irradiance: its own of each side, carried through the interreflections.
+    fn error(&self, radiosity: &[f64]) -> Result<Vec<f64>, Cancelled> {
+        let squares: Vec<f64> = radiosity.iter().map(|b| b * b).collect();
+        let variance = match &self.factors.standard_error {
+            Some(error) => {
+                let area = &self.area;
+                // As `gather` divides by the area once, and here it enters squared.
+                let squared = error.mapped(|_, _, e| e * e);
+                let mut sums = self.gather(&squared, &squares);
+                sums.iter_mut().enumerate().for_each(|(k, v)| *v = ratio(*v, area[k / self.lighting.bands]));
+                sums
+            }
+            None => {
+                let tolerance = self.factors.report.estimated_error;
+                self.gather(&self.factors.operator, &squares).iter().map(|v| tolerance * tolerance * v).collect()
+            }
+        };
+        let own: Vec<f64> =
+            variance.iter().zip(&self.incident.standard_error).map(|(v, s)| (v + s * s).max(0.0).sqrt()).collect();
+        let (carried, _) = self.solve(&vec![0.0; own.len()], &own)?;
+        Ok(self.irradiance(&carried, &own))
+    }
+
+    /// The balance of power. What rows lack of 1 escapes, backs included: form factors do not tell them apart.
+    fn energy(&self, radiosity: &[f64], irradiance: &[f64]) -> Energy {
+        let bands = self.lighting.bands;
+        let none = || vec![0.0; bands];
+        let mut energy = Energy {
+            emitted: none(),
+            from_lights: none(),
+            absorbed: none(),
+            escaped: none(),
+            lost_on_backs: none(),
+            imbalance: 0.0,
+            escape_share: 0.0,
+        };
+        let sums = self.factors.operator.row_sums();
+        for k in 0..radiosity.len() {
+            let (side, band) = (k / bands, k % bands);
+            let area = self.area[side];
+            energy.emitted[band] += area * self.emission[k];
+            energy.from_lights[band] += area * self.incident.mean[k];
+            energy.absorbed[band] += area * (1.0 - self.reflectance[k]) * irradiance[k];
+            energy.escaped[band] += (area - sums[side]) * radiosity[k];
+        }
+        let whole: f64 = self.area.iter().sum();
+        energy.escape_share = ratio(whole - sums.iter().sum::<f64>(), whole);
+        energy.balance();
+        energy
+    }
+}
+
+impl Incident {
+    fn new(
+        factors: &FormFactors,
+        lighting: &Lighting,
+        settings: &Settings,
+        control: &Control,
+    ) -> Result<Self, Cancelled> {
+        let (enclosure, bands) = (&factors.enclosure, lighting.bands);
+        let size = enclosure.sides() * bands;
+        let mut incident = Self { mean: vec![0.0; size], standard_error: vec![0.0; size], tests: 0 };
+        if lighting.lamps.is_empty() {
+            return Ok(incident);
+        }
+        let luminaires = Luminaires {
+            list: lighting.lamps.iter().map(|lamp| lamp.luminaire).collect(),
+            strength: lighting.lamps.iter().map(Lamp::mean_strength).collect(),
+        };
+        let mut samples = Samples::<LightSample>::new(enclosure.sides(), REPLICATES);
+        let wanted = vec![LIGHT_SAMPLES; enclosure.sides()];
+        luminaires.sample(enclosure, &mut samples, &wanted, settings.seed, control)?;
+        incident.tests = samples.total() as u64;
+        for k in 0..size {
+            let (side, band) = (k / bands, k % bands);
+            let mean = |replicate: usize| {
+                let each = |s: &LightSample| f64::from(s.weight) * lighting.lamps[s.luminaire as usize].strength[band];
+                samples.replicate(side, replicate).flatten().map(each).sum::<f64>() / f64::from(LIGHT_SAMPLES)
+            };
+            let means: Vec<f64> = (0..REPLICATES).map(mean).collect();
+            let n = REPLICATES as f64;
+            let middle = means.iter().sum::<f64>() / n;
+            incident.mean[k] = middle;
+            incident.standard_error[k] =
+                (means.iter().map(|m| (m - middle) * (m - middle)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+        }
+        Ok(incident)
+    }
+}

@@ -1,0 +1,256 @@
+//! Form factors of an enclosure by any method, as one symmetric operator.
+
+use crate::enclosure::Enclosure;
+use crate::pairs::{self, Kernel, Tally};
+use crate::quadrature::PlaneRule;
+use crate::rows::Rows;
+use crate::samples::Samples;
+use crate::shots::{Shot, shoot};
+use radiosity_operator::{Cancelled, Control, Symmetric};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// How form factors are found; one file in [`crate::kernels`] each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Per pair the cheapest method that meets the tolerance.
+    Auto,
+    /// Closed forms where edges are parallel or perpendicular, contour integrals to 1e-12 elsewhere.
+    Analytic,
+    /// Contour integrals to the tolerance.
+    Contour,
+    /// Nusselt's analog from `points^2` points of every side; none: as many as the tolerance needs.
+    Nusselt {
+        /// Points along each direction.
+        points: Option<usize>,
+    },
+    /// Rays, so many from every side.
+    MonteCarlo {
+        /// Rays a side.
+        rays: u32,
+    },
+}
+
+/// What is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// How.
+    pub method: Method,
+    /// The error allowed of a form factor and of a row sum.
+    pub tolerance: f64,
+    /// The same seed gives the same bytes.
+    pub seed: u64,
+    /// Bytes that may be taken.
+    pub memory_limit: u64,
+}
+
+/// Why there are no form factors.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Failure {
+    /// Stopped on request.
+    #[error("stopped on request")]
+    Cancelled,
+    /// They would not fit.
+    #[error(
+        "the form factors of {sides} sides may take {:.1} MB and the limit is {:.1} MB; raise the limit, use fewer \
+         patches, or solve without form factors",
+        *needed as f64 / 1e6, *limit as f64 / 1e6
+    )]
+    Memory {
+        /// Sides.
+        sides: usize,
+        /// Bytes needed at most.
+        needed: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Failure::Cancelled
+    }
+}
+
+/// What was done and how wrong it may be.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FactorReport {
+    /// Pairs by kind and method, where pairs were measured one by one.
+    pub tally: Tally,
+    /// An estimate of the greatest error of a form factor, of the smaller side of a pair.
+    pub estimated_error: f64,
+    /// The greatest disagreement of what both ends of a pair measured, as a form factor of the smaller side; zero
+    /// where pairs are measured once for both.
+    pub disagreement: f64,
+    /// Points, or hemicubes, or rays of every side.
+    pub samples: u64,
+    /// Wall time.
+    pub seconds: f64,
+}
+
+/// Form factors between all sides.
+pub struct FormFactors {
+    /// The geometry.
+    pub enclosure: Arc<Enclosure>,
+    /// G = A F, m2.
+    pub operator: Symmetric,
+    /// The standard error of G, m2, pair by pair, where rays found it.
+    pub standard_error: Option<Symmetric>,
+    /// What was done.
+    pub report: FactorReport,
+}
+
+/// Measures the form factors between all sides of an enclosure.
+pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control) -> Result<FormFactors, Failure> {
+    let start = Instant::now();
+    let sides = enclosure.sides();
+    let needed = forecast(sides, settings.method);
+    if needed > settings.memory_limit {
+        return Err(Failure::Memory { sides, needed, limit: settings.memory_limit });
+    }
+    let pairs = |kernel: Kernel| -> Result<_, Failure> {
+        let settings = pairs::Settings { kernel, tolerance: settings.tolerance, seed: settings.seed };
+        let (operator, tally) = pairs::measure(&enclosure, &settings, control)?;
+        let estimated_error = tally.worst_error.max(0.5 * settings.tolerance);
+        let report = FactorReport { tally, estimated_error, disagreement: tally.disagreement, ..Default::default() };
+        Ok((operator, None, report))
+    };
+    let (operator, standard_error, report) = match settings.method {
+        Method::Auto => pairs(Kernel::Auto)?,
+        Method::Analytic => pairs(Kernel::Analytic)?,
+        Method::Contour => pairs(Kernel::Contour)?,
+        Method::Nusselt { points: Some(points) } => {
+            let (operator, none, report) = pairs(Kernel::Nusselt(PlaneRule::new(points)))?;
+            let samples = (points * points) as u64;
+            // Of fixed points only the disagreement of both ends is known.
+            (operator, none, FactorReport { estimated_error: report.disagreement, samples, ..report })
+        }
+        Method::Nusselt { points: None } => {
+            let mut points = 2;
+            let mut before = pairs(Kernel::Nusselt(PlaneRule::new(points)))?;
+            loop {
+                points *= 2;
+                let (operator, none, report) = pairs(Kernel::Nusselt(PlaneRule::new(points)))?;
+                let estimated_error = greatest_change(&enclosure, &before.0, &operator);
+                let samples = (points * points) as u64;
+                before = (operator, none, FactorReport { estimated_error, samples, ..report });
+                if estimated_error <= settings.tolerance || points >= MOST_POINTS {
+                    break before;
+                }
+            }
+        }
+        Method::MonteCarlo { rays } => by_rays(&enclosure, rays, settings.seed, control)?,
+    };
+    let report = FactorReport { seconds: start.elapsed().as_secs_f64(), ..report };
+    Ok(FormFactors { enclosure, operator, standard_error, report })
+}
+
+/// Nusselt's analog stops at so many points in each direction, whatever the tolerance.
+pub const MOST_POINTS: usize = 32;
+
+/// Bytes that a method may take at most.
+fn forecast(sides: usize, method: Method) -> u64 {
+    let all_pairs = pairs::forecast(sides);
+    match method {
+        // A ray's shot, and an entry for it in two operators.
+        Method::MonteCarlo { rays } => {
+            sides as u64 * u64::from(rays) * 8 + (24 * sides as u64 * u64::from(rays)).min(3 * all_pairs)
+        }
+        _ => all_pairs,
+    }
+}
+
+/// The greatest difference of two operators on the same sides, as a form factor of the smaller side.
+fn greatest_change(enclosure: &Enclosure, a: &Symmetric, b: &Symmetric) -> f64 {
+    let (offsets, columns, before) = a.to_csr();
+    let mut worst = 0.0f64;
+    b.for_each_pair(|i, j, value| {
+        let range = offsets[i]..offsets[i + 1];
+        let old = columns[range.clone()].binary_search(&(j as u32)).map_or(0.0, |k| before[range.start + k]);
+        worst = worst.max((value - old).abs() / enclosure.area(i).min(enclosure.area(j)));
+    });
+    worst
+}
+
+type Measured = (Symmetric, Option<Symmetric>, FactorReport);
+
+/// Independent replicates of the rows.
+const REPLICATES: u32 = 4;
+
+/// Rows by rays from both ends: the inverse-variance mean of the two, which is all hits of a pair over the sum of the
+/// densities of rays. The standard error is that of as many independent rays, which points in sequence stay below.
+fn by_rays(enclosure: &Enclosure, rays: u32, seed: u64, control: &Control) -> Result<Measured, Failure> {
+    let sides = enclosure.sides();
+    control.expect(u64::from(rays) * sides as u64);
+    let mut shots = Samples::<Shot>::new(sides, REPLICATES as usize);
+    let each = rays.div_ceil(REPLICATES);
+    shoot(enclosure, &mut shots, &vec![each; sides], seed, control)?;
+    let share = 1.0 / f64::from(each * REPLICATES);
+    let row = |side: usize| -> Vec<(u32, f64)> {
+        let mut found: Vec<u32> = shots.of(side).flatten().filter(|s| s.landed()).map(|s| s.target).collect();
+        found.sort_unstable();
+        found.chunk_by(|a, b| a == b).map(|run| (run[0], run.len() as f64 * share)).collect()
+    };
+    use rayon::prelude::*;
+    let rows = Rows::from_rows((0..sides).into_par_iter().map(row).collect());
+    let (operator, disagreement) = symmetric(enclosure, &rows);
+    // Hits of a pair from both ends, n: G is n / density and its standard error sqrt(n (1 - F)) / density.
+    let density = |i: usize, j: usize| (1.0 / enclosure.area(i) + 1.0 / enclosure.area(j)) / share;
+    let error = |i: usize, j: usize, g: f64| {
+        let f = (g / enclosure.area(i).min(enclosure.area(j))).min(1.0);
+        (g * density(i, j) * (1.0 - f)).max(0.25).sqrt() / density(i, j)
+    };
+    let standard_error = operator.mapped(error);
+    let mut worst = 0.0f64;
+    standard_error.for_each_pair(|i, j, e| worst = worst.max(e / enclosure.area(i).min(enclosure.area(j))));
+    let samples = u64::from(each * REPLICATES);
+    let report = FactorReport { estimated_error: worst, disagreement, samples, ..Default::default() };
+    Ok((operator, Some(standard_error), report))
+}
+
+/// One exchange from the rows of both ends, and their greatest disagreement as a form factor of the smaller side.
+///
+/// The smaller side knows better what it exchanges, as it sees the other from nearly one point: ends weigh by the
+/// inverse of their area. For equally many rays from both this is the inverse-variance mean.
+pub fn symmetric(enclosure: &Enclosure, rows: &Rows) -> (Symmetric, f64) {
+    let sides = rows.len();
+    let area = |side: usize| enclosure.area(side);
+    // Entries from below the diagonal, dealt to the rows above it: in ascending order by construction.
+    let mut from_below: Vec<Vec<(u32, f64)>> = vec![Vec::new(); sides];
+    for i in 0..sides {
+        for &(j, f) in rows.row(i).iter().filter(|e| (e.0 as usize) < i) {
+            from_below[j as usize].push((i as u32, f));
+        }
+    }
+    let mut disagreement = 0.0f64;
+    let mut upper = Vec::with_capacity(sides);
+    for (i, below) in from_below.iter().enumerate() {
+        let above: Vec<(u32, f64)> = rows.row(i).iter().filter(|e| e.0 as usize > i).copied().collect();
+        let mut row = Vec::with_capacity(above.len().max(below.len()));
+        merge(&above, below, |j, here, there| {
+            let (a, b) = (area(i), area(j as usize));
+            let (g, h) = (a * here, b * there);
+            disagreement = disagreement.max((g - h).abs() / a.min(b));
+            row.push((j, (g * b + h * a) / (a + b)));
+        });
+        upper.push(row);
+    }
+    (Symmetric::from_sparse_rows(&upper), disagreement)
+}
+
+/// Walks two lists in ascending order together.
+fn merge(a: &[(u32, f64)], b: &[(u32, f64)], mut visit: impl FnMut(u32, f64, f64)) {
+    let (mut k, mut l) = (0, 0);
+    while k < a.len() || l < b.len() {
+        let j = a.get(k).map_or(u32::MAX, |e| e.0).min(b.get(l).map_or(u32::MAX, |e| e.0));
+        let take = |list: &[(u32, f64)], at: &mut usize| match list.get(*at) {
+            Some(&(column, value)) if column == j => {
+                *at += 1;
+                value
+            }
+            _ => 0.0,
+        };
+        let (x, y) = (take(a, &mut k), take(b, &mut l));
+        visit(j, x, y);
+    }
+}
