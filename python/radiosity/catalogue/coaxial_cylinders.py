@@ -10,7 +10,7 @@ from radiosity.catalogue.registry import configuration
 ARGUMENTS = {"inner_radius": 1.0, "outer_radius": 2.0, "length": 2.0}
 
 
-@configuration("", "outer coaxial cylinder to inner, finite length", 0.33893, **ARGUMENTS)
+@configuration("", "outer coaxial cylinder to inner, finite length", 0.33710602751895047, **ARGUMENTS)
 def outer_cylinder_to_inner(*, inner_radius: Length, outer_radius: Length, length: Length) -> Factor:
     """F_21 from the inside of a cylinder to the outside of another of the same length and axis within it.
 
@@ -26,7 +26,7 @@ def outer_cylinder_to_inner(*, inner_radius: Length, outer_radius: Length, lengt
     return answer(_outer_to_inner(*_cylinders(inner_radius, outer_radius, length)))
 
 
-@configuration("C-91", "outer coaxial cylinder to itself, finite length", 0.2291, **ARGUMENTS)
+@configuration("C-91", "outer coaxial cylinder to itself, finite length", 0.2284810189879989, **ARGUMENTS)
 def outer_cylinder_to_itself(*, inner_radius: Length, outer_radius: Length, length: Length) -> Factor:
     """F_22 from the inside of a cylinder to itself, past another cylinder of the same length and axis.
 
@@ -42,7 +42,7 @@ def outer_cylinder_to_itself(*, inner_radius: Length, outer_radius: Length, leng
     return answer(_outer_to_itself(*_cylinders(inner_radius, outer_radius, length)))
 
 
-@configuration("", "outer coaxial cylinder to one annular end", 0.216, **ARGUMENTS)
+@configuration("", "outer coaxial cylinder to one annular end", 0.21720647674652532, **ARGUMENTS)
 def outer_cylinder_to_annular_end(*, inner_radius: Length, outer_radius: Length, length: Length) -> Factor:
     """F_23 from the inside of a cylinder to one of the rings that close the space around a coaxial cylinder within.
 
@@ -60,7 +60,7 @@ def outer_cylinder_to_annular_end(*, inner_radius: Length, outer_radius: Length,
     return answer(0.5 * (1 - _outer_to_inner(*sizes) - _outer_to_itself(*sizes)))
 
 
-@configuration("C-77", "outside of cylinder to annular disk at its end", 0.16107, **ARGUMENTS)
+@configuration("C-77", "outside of cylinder to annular disk at its end", 0.16289397248104953, **ARGUMENTS)
 def inner_cylinder_to_annular_end(*, inner_radius: Length, outer_radius: Length, length: Length) -> Factor:
     """F_13 from the outside of a cylinder to a ring around one of its ends.
 
@@ -75,11 +75,11 @@ def inner_cylinder_to_annular_end(*, inner_radius: Length, outer_radius: Length,
     Raises:
         ValueError: a size that is not positive, or an inner radius that is not below the outer.
     """
-    R, L = _cylinders(inner_radius, outer_radius, length)
-    return answer(0.5 * (1 - R * _outer_to_inner(R, L)))
+    sizes = _cylinders(inner_radius, outer_radius, length)
+    return answer(0.5 * (1 - sizes[0] * _outer_to_inner(*sizes)))
 
 
-@configuration("", "annular end to annular end between coaxial cylinders", 0.2, **ARGUMENTS)
+@configuration("", "annular end to annular end between coaxial cylinders", 0.20359076536786647, **ARGUMENTS)
 def annular_end_to_other_end(*, inner_radius: Length, outer_radius: Length, length: Length) -> Factor:
     """F_34 between the two rings that close the space between coaxial cylinders, past the inner cylinder.
 
@@ -93,40 +93,45 @@ def annular_end_to_other_end(*, inner_radius: Length, outer_radius: Length, leng
     Raises:
         ValueError: a size that is not positive, or an inner radius that is not below the outer.
     """
-    R, L = _cylinders(inner_radius, outer_radius, length)
-    ring = (R - 1) * (R + 1)
-    to_inner = L * (1 - R * _outer_to_inner(R, L)) / ring
-    to_outer = L * R * (1 - _outer_to_inner(R, L) - _outer_to_itself(R, L)) / ring
+    R, gap, L = _cylinders(inner_radius, outer_radius, length)
+    inner, itself = _outer_to_inner(R, gap, L), _outer_to_itself(R, gap, L)
+    ring = gap * (R + 1)
+    to_inner = L * (1 - R * inner) / ring
+    to_outer = L * R * (1 - inner - itself) / ring
     return answer(1 - to_inner - to_outer)
 
 
-def _cylinders(inner_radius: Length, outer_radius: Length, length: Length) -> tuple[Floats, Floats]:
-    """Outer radius and length over the inner radius."""
+def _cylinders(inner_radius: Length, outer_radius: Length, length: Length) -> tuple[Floats, Floats, Floats]:
+    """Outer radius, width of the gap and length, over the inner radius."""
     a, b, h = positive(inner_radius=inner_radius, outer_radius=outer_radius, length=length)
     require(a < b, "inner_radius must be below outer_radius: there is no space between the cylinders")
-    return b / a, h / a
+    return b / a, (b - a) / a, h / a
 
 
-def _outer_to_inner(R: Floats, L: Floats) -> Floats:
-    """F_21 as 1 / R (1 - (alpha - N / (2 L)) / pi), with N free of cancellation for short and for long cylinders."""
-    ring = (R - 1) * (R + 1)
+def _outer_to_inner(R: Floats, gap: Floats, L: Floats) -> Floats:
+    """F_21 as (2 arctan(L / sqrt(R^2 - 1)) + N / (2 L)) / (pi R), with no difference of large terms in N."""
+    ring = gap * (R + 1)  # R^2 - 1
     A, B, edge = L**2 + ring, L**2 - ring, np.sqrt(ring)
-    P = np.hypot(L, R - 1) * np.hypot(L, R + 1)
+    P = np.hypot(L, gap) * np.hypot(L, R + 1)
     sine = np.arctan2(1.0, edge)  # arcsin(1 / R)
     # (P + B)(P - B) = 4 L^2 R^2, and one of the factors is a sum of positive terms.
     large = P + abs(B)
     small = 4 * L**2 * R**2 / large
     swing = small * sine - P * np.arctan2(edge * small, ring * P + abs(B))
     N = 2 * np.pi * L**2 / (P + A) + np.where(B < 0, swing, -swing)
-    factor: Floats = (1 - (2 * np.arctan2(edge, L) - N / (2 * L)) / np.pi) / R
+    factor: Floats = (2 * np.arctan2(L, edge) + N / (2 * L)) / (np.pi * R)
     return factor
 
 
-def _outer_to_itself(R: Floats, L: Floats) -> Floats:
-    """F_22, with lengths relative to L."""
+def _outer_to_itself(R: Floats, gap: Floats, L: Floats) -> Floats:
+    """F_22, with lengths relative to L; one form of it for short cylinders, one for long ones."""
     inner, outer = 1 / L, R / L
-    edge = np.sqrt((R - 1) * (R + 1)) / L
+    edge = np.sqrt(gap * (R + 1)) / L
     root = np.hypot(1.0, 2 * outer)
-    terms = np.arctan2(edge, inner) + root * np.arctan2(inner, edge * root) - 2 * inner * np.arctan2(1.0, 2 * edge)
-    factor: Floats = (terms - 0.5 * np.pi / (2 * outer + root)) / (np.pi * outer)
+    short = np.arctan2(edge, inner) + root * np.arctan2(inner, edge * root) - 2 * inner * np.arctan2(1.0, 2 * edge)
+    short = short - 0.5 * np.pi / (2 * outer + root)
+    more = 4 * outer**2 / (1 + root)  # root - 1
+    long = np.pi * gap / L - more * np.arctan2(edge * root, inner) + 2 * inner * np.arctan(2 * edge)
+    long = long - np.arctan2(edge * inner * more, inner**2 + edge**2 * root)
+    factor: Floats = np.where(outer > 1, short, long) / (np.pi * outer)
     return factor

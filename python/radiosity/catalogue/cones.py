@@ -61,11 +61,12 @@ def frustum_side_to_itself(*, base_radius: Length, top_radius: Length, height: L
         ValueError: a base radius or height that is not positive, or a negative top radius.
     """
     a, b, h, slant = _frustum(base_radius, top_radius, height)
-    both = np.hypot(h, a + b) + a + b
-    return answer(h**2 * (both - slant) / (both * (a + b) * slant))
+    across = np.hypot(h, a + b)
+    rest = a + b + 4 * a * (b / (across + slant))  # a + b + across - slant
+    return answer(h / slant * (h * rest / ((across + a + b) * (a + b))))
 
 
-@configuration("C-118", "side of a frustum to side of attached frustum", 0.1811127, radius_1=1.0, radius_2=1.5,
+@configuration("C-118", "side of a frustum to side of attached frustum", 0.4228749865729858, radius_1=1.0, radius_2=1.5,
                radius_3=1.0, height_1=1.0, height_2=1.0)  # fmt: skip
 def frustum_to_attached_frustum(
     *, radius_1: Length, radius_2: Length, radius_3: Length, height_1: Length, height_2: Length

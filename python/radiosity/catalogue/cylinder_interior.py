@@ -65,7 +65,13 @@ def cylinder_side_to_itself(*, radius: Length, height: Length) -> Factor:
     return answer(h * (1 - h / (1 + np.hypot(1.0, h))))
 
 
-@configuration("C-81", "section of cylinder's side to a disk across the cylinder", 0.1, radius=1.0, section=(1.0, 2.0))
+@configuration(
+    "C-81",
+    "section of cylinder's side to a disk across the cylinder",
+    0.10519656799814761,
+    radius=1.0,
+    section=(1.0, 2.0),
+)
 def cylinder_section_to_disk(*, radius: Length, section: Interval) -> Factor:
     """F_12 from a section of the inside of a cylinder's side to a disk that fills the cylinder; also to a base.
 
@@ -104,7 +110,9 @@ def cylinder_ring_to_disk(*, radius: Length, distance: Length) -> Factor:
     return answer(_section_to_disk(h, h))
 
 
-@configuration("B-51", "point of cylinder's side to the whole side", 0.1, radius=1.0, height=2.0, position=0.5)
+@configuration(
+    "B-51", "point of cylinder's side to the whole side", 0.6042948436682508, radius=1.0, height=2.0, position=0.5
+)
 def cylinder_point_to_side(*, radius: Length, height: Length, position: Length) -> Factor:
     """F_12 from an element of the inside of a cylinder's side to the whole side.
 
@@ -124,8 +132,8 @@ def cylinder_point_to_side(*, radius: Length, height: Length, position: Length) 
     return answer(1 - _section_to_disk(low, low) - _section_to_disk(high, high))
 
 
-@configuration("", "section of cylinder's side to section of the side", 0.1, radius=1.0, section_1=(0.0, 1.0),
-               section_2=(1.0, 2.0))  # fmt: skip
+@configuration("", "section of cylinder's side to section of the side", 0.20382042637679987,
+               radius=1.0, section_1=(0.0, 1.0), section_2=(1.0, 2.0))  # fmt: skip
 def cylinder_section_to_section(*, radius: Length, section_1: Interval, section_2: Interval) -> Factor:
     """F_12 between sections of the inside of a cylinder's side: apart, adjacent, overlapping or the same.
 
@@ -149,7 +157,9 @@ def cylinder_section_to_section(*, radius: Length, section_1: Interval, section_
     return answer(np.where((b <= c) | (d <= a), apart, meeting) / (4 * (b - a)))
 
 
-@configuration("C-80", "disk in the base of a cylinder to its side", 0.1, disk_radius=0.5, radius=1.0, height=1.0)
+@configuration(
+    "C-80", "disk in the base of a cylinder to its side", 0.5311288741492749, disk_radius=0.5, radius=1.0, height=1.0
+)
 def cylinder_disk_to_side(*, disk_radius: Length, radius: Length, height: Length) -> Factor:
     """F_12 from a disk in the middle of a cylinder's base to the inside of its side.
 
@@ -167,7 +177,15 @@ def cylinder_disk_to_side(*, disk_radius: Length, radius: Length, height: Length
     return answer(_disk_to_side(a, r, h))
 
 
-@configuration("C-83", "ring in the base of a cylinder to its side", 0.1, inner=0.5, outer=1.0, radius=1.0, height=1.0)
+@configuration(
+    "C-83",
+    "ring in the base of a cylinder to its side",
+    0.6470023602834347,
+    inner=0.5,
+    outer=1.0,
+    radius=1.0,
+    height=1.0,
+)
 def cylinder_ring_to_side(*, inner: Length, outer: Length, radius: Length, height: Length) -> Factor:
     """F_12 from a ring in a cylinder's base, around its axis, to the inside of its side.
 

@@ -8,7 +8,9 @@ from radiosity.catalogue.arguments import Factor, Floats, Interval, Length, answ
 from radiosity.catalogue.registry import configuration
 
 
-@configuration("", "infinite cylinder to parallel cylinder", 0.11069596967, radius_1=1.0, radius_2=1.0, distance=3.0)
+@configuration(
+    "", "infinite cylinder to parallel cylinder", 0.11069596963167251, radius_1=1.0, radius_2=1.0, distance=3.0
+)
 def parallel_cylinders(*, radius_1: Length, radius_2: Length, distance: Length) -> Factor:
     """F_12 from the outside of an infinitely long cylinder to that of another, parallel to it.
 
@@ -54,7 +56,7 @@ def strip_to_cylinder(*, strip: Interval, height: Length, radius: Length) -> Fac
     return answer(r * np.arctan2(h * (end - start), h**2 + start * end) / (end - start))
 
 
-@configuration("C-7", "infinite plane to a row of parallel tubes", 0.6576453, diameter=1.0, pitch=2.0)
+@configuration("C-7", "infinite plane to a row of parallel tubes", 0.6575733718138601, diameter=1.0, pitch=2.0)
 def plane_to_tube_row(*, diameter: Length, pitch: Length) -> Factor:
     """F_12 from an infinite plane to one row of infinitely long tubes that are parallel to it and to each other.
 
