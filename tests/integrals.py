@@ -146,7 +146,10 @@ def wedge(a: float, b: float, c: float, angle: float, n: int = 60) -> float:
     """
 
     def pyramid(s: Array, p: Array, q: Array, face: int) -> Array:
-        x, z, u = (coordinate * size for coordinate, size in zip(np.roll([s, s * p, s * q], face, axis=0), (a, b, c), strict=True))
+        x, z, u = (
+            coordinate * size
+            for coordinate, size in zip(np.roll([s, s * p, s * q], face, axis=0), (a, b, c), strict=True)
+        )
         r2 = x**2 + z**2 - 2 * x * z * np.cos(angle) + u**2
         return s**2 * a * b * c * np.sin(angle) ** 2 * x * z * 2 * (c - u) / (np.pi * r2**2)
 
