@@ -1,7 +1,7 @@
 """How black is a hole? Form factors in closed form, from the catalogue, and no mesh.
 
-A cavity of one temperature looks blacker than its walls: what they reflect meets them again. The radiosity at its mouth,
-in units of that of a black body, is its apparent emissivity.
+A cavity of one temperature looks blacker than its walls: what they reflect meets them again. What leaves its mouth, in
+units of what a black body would send, is its apparent emissivity.
 """
 
 import numpy as np
@@ -42,7 +42,8 @@ for depth in (0.5, 1.0, 2.0, 4.0):
     coarse, fine, finest = (drilled_hole(depth, rings) for rings in (50, 100, 200))
     print(f"hole {depth} radii deep: {finest:.6f}, with half the rings {fine:.6f}")
     assert 3 < (fine - coarse) / (finest - fine) < 5  # second order in the width of the rings
-    uniform = 1 / (1 + (1 / emissivity - 1) / (1 + 2 * depth))  # were B the same on the whole wall
+    # Were B the same on the whole wall. By Cauchy-Schwarz in A (1 - rho F), uneven walls stay below.
+    uniform = 1 / (1 + (1 / emissivity - 1) / (1 + 2 * depth))
     assert emissivity < finest < uniform
 
 # The shallow limit is the flat bottom, and every entry says where it comes from.

@@ -18,7 +18,7 @@ def outer_cylinder_to_inner(*, inner_radius: Length, outer_radius: Length, lengt
         inner_radius, outer_radius: of the cylinders, m.
         length: of both, m.
 
-    Source: Hamilton and Morgan 1952. Absolute accuracy about 1e-15.
+    Source: Hamilton and Morgan 1952. Relative accuracy about 1e-15.
 
     Raises:
         ValueError: a size that is not positive, or an inner radius that is not below the outer.

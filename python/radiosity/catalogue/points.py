@@ -102,8 +102,7 @@ def point_to_polygon(*, polygon: npt.ArrayLike, position: npt.ArrayLike, normal:
     """F_12 from a surface element to any flat polygon; what is behind the element is cut off.
 
     Args:
-        polygon: (..., n, 3) corners in order, m. It faces the element where they run clockwise as seen from its front,
-            and radiates to both sides: the answer does not depend on the order.
+        polygon: (..., n, 3) corners in order, either way around, m; it may be hollow, but not cross itself.
         position: (..., 3) of the element, outside the polygon, m.
         normal: (..., 3) of the element, of any length.
 
@@ -161,7 +160,7 @@ def point_to_perpendicular_disk(*, radius: Length, distance: Length, height: Len
         distance: from the element to the axis of the disk, m.
         height: of the element above the plane of the disk, m.
 
-    Source: Howell B-53; Hamilton and Morgan 1952. Relative accuracy about 1e-15.
+    Source: Howell B-53. Relative accuracy about 1e-15.
 
     Raises:
         ValueError: a size that is not positive, or a disk that reaches behind the element.

@@ -13,7 +13,6 @@ from itertools import product
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import xlogy
 
 from radiosity.catalogue.arguments import (
     Angle,
@@ -243,7 +242,9 @@ def _fallen_log(p: Floats, q: Floats, s: Floats) -> Floats:
 def _facing_edges(d: Floats, c: Floats) -> Floats:
     """The integral of ln r over two parallel edges of length c at distance d, without 3/2 c^2, which cancels."""
     squares = d**2 + c**2
-    edges: Floats = 0.5 * (c**2 - d**2) * np.log(squares) + xlogy(d**2, d) + 2 * c * d * np.arctan2(c, d)
+    edges: Floats = (
+        0.5 * (c**2 - d**2) * np.log(squares) + d**2 * np.log(np.where(d > 0, d, 1.0)) + 2 * c * d * np.arctan2(c, d)
+    )
     return edges
 
 
