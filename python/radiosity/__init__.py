@@ -14,7 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from radiosity import scenes
+    from radiosity import catalogue, scenes
     from radiosity._native import ResourceError, SceneError, __version__
     from radiosity.factors import FormFactors, form_factors
     from radiosity.patches import Patches
@@ -37,6 +37,7 @@ __all__ = [
     "SpotLight",
     "Surface",
     "__version__",
+    "catalogue",
     "form_factors",
     "load",
     "scenes",
@@ -63,7 +64,7 @@ _HOME = {
     "Solution": "solution",
     "solve": "solution",
 }
-_MODULES = {"factors", "files", "patches", "picture", "report", "scene", "scenes", "solution"}
+_MODULES = {"catalogue", "factors", "files", "patches", "picture", "report", "scene", "scenes", "solution"}
 
 
 def __getattr__(name: str) -> Any:
