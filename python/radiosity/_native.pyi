@@ -16,6 +16,8 @@ _Progress = Callable[[int, int], object]
 
 # kind, name, position, direction, inner and outer angle, strength
 LightTuple = tuple[str, str, _Triple, _Triple, float, float, list[float]]
+# offsets, columns, values
+CsrTuple = tuple[npt.NDArray[np.int64], _Indices, _Floats]
 # name, position, forward, up, vertical angle of view, aspect
 CameraTuple = tuple[str, _Triple, _Triple, _Triple, float, float | None]
 # name, material, reflectance, two-sided
@@ -110,9 +112,16 @@ class Solution:
 class Factors:
     def __len__(self) -> int: ...
     @property
-    def area(self) -> _Floats: ...
+    def patch(self) -> _Indices: ...
     def exchange(self, x: _Floats) -> _Floats: ...
-    def entries(self, i: int) -> tuple[_Indices, _Floats]: ...
+    def row(self, i: int) -> tuple[_Indices, _Floats]: ...
+    def csr(self) -> CsrTuple: ...
+    def standard_error(self) -> CsrTuple | None: ...
+    def dense(self) -> _Floats: ...
+    def smoothed(
+        self, wanted: list[float], threads: int | None = None, progress: _Progress | None = None
+    ) -> tuple[Factors, float]: ...
+    def report(self) -> dict[str, Any]: ...
     def solve(
         self,
         reflectance: _Floats,
@@ -120,6 +129,7 @@ class Factors:
         lamps: list[LightTuple],
         accuracy: float,
         method: str,
+        seed: int,
         threads: int | None = None,
         progress: _Progress | None = None,
     ) -> Solution: ...
@@ -142,10 +152,17 @@ def solve(
 ) -> Solution: ...
 def form_factors(
     enclosure: Enclosure,
-    rays: int,
+    method: str,
+    tolerance: float,
+    samples: int | None,
+    resolution: int,
     seed: int,
+    memory_limit: int,
     threads: int | None = None,
     progress: _Progress | None = None,
+) -> Factors: ...
+def given_factors(
+    enclosure: Enclosure, offsets: npt.NDArray[np.int64], columns: _Indices, values: _Floats
 ) -> Factors: ...
 def write_lit(
     path: str,

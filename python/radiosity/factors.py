@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -11,12 +13,21 @@ from scipy.sparse import csr_array
 from scipy.sparse.linalg import LinearOperator
 
 from radiosity import _native
-from radiosity.checks import threads_or_all, whole
+from radiosity.checks import memory_or_most, threads_or_all, whole
 
 if TYPE_CHECKING:
     from radiosity.patches import Patches
 
 Floats = npt.NDArray[np.float64]
+Progress = Callable[[int, int], object]
+
+Method = Literal["auto", "analytic", "contour", "nusselt", "hemicube", "monte_carlo"]
+
+METHODS: tuple[Method, ...] = get_args(Method)
+"""The names of all methods."""
+
+DEFAULT_TOLERANCE = 1e-6
+"""Wanted error of a form factor where the caller does not say."""
 
 DEFAULT_RAYS = 4096
 """Rays per patch of the method ``monte_carlo``."""
@@ -24,22 +35,85 @@ DEFAULT_RAYS = 4096
 MAX_RAYS = 1 << 22
 """The most rays per patch."""
 
+MAX_POINTS = 64
+"""The most points per direction of the method ``nusselt``."""
+
+DEFAULT_RESOLUTION = 512
+"""Pixels along an edge of a hemicube."""
+
+
+@dataclass(frozen=True)
+class FactorReport:
+    """How form factors were found and how wrong they may be; prints as a table.
+
+    ``estimated_error`` is an estimate of the greatest error of a form factor of the smaller patch of a pair;
+    ``disagreement`` the greatest difference of what both ends of a pair measured, likewise, before they were combined
+    (zero where a pair is measured once for both). ``samples`` are points, hemicubes or rays of every patch.
+    ``unresolved`` counts partly hidden pairs whose estimated error exceeds what the tolerance allows them.
+    """
+
+    method: str
+    tolerance: float | None
+    estimated_error: float
+    disagreement: float
+    samples: int
+    pairs_in_full_view: int
+    pairs_partly_hidden: int
+    pairs_hidden: int
+    by_areas: int
+    by_contour: int
+    by_rays: int
+    unresolved: int
+    memory_bytes: int
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers and strings, ready for JSON."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        wanted = "" if self.tolerance is None else f" (asked for {self.tolerance:.1e})"
+        rows = [("method", self.method), ("estimated error", f"{self.estimated_error:.1e}{wanted}")]
+        if self.disagreement:
+            rows.append(("ends disagree by", f"{self.disagreement:.1e}"))
+        if self.samples:
+            rows.append(("samples", f"{self.samples:,} of every patch"))
+        if self.by_areas + self.by_contour:
+            rows.append(("pairs", f"{self.pairs_in_full_view:,} in full view, {self.pairs_partly_hidden:,} looked at "
+                         f"for what is between, {self.pairs_hidden:,} hidden"))  # fmt: skip
+            rows.append(("unoccluded by", f"{self.by_areas:,} area and {self.by_contour:,} contour integrals"))
+        if self.unresolved:
+            rows.append(("unresolved", f"{self.unresolved:,} pairs: their error exceeds what was asked"))
+        rows += [("memory", f"{self.memory_bytes / 1e6:.1f} MB"), ("time", f"{self.seconds:.2f} s")]
+        return "\n".join(f"{label:<18}{value}" for label, value in rows)
+
 
 class FormFactors(LinearOperator):  # type: ignore[misc]
     """F with ``F[i, j]`` the fraction of what leaves patch i that arrives at patch j, (n, n).
 
     Stored as the symmetric exchange ``G = A F``, so that ``A_i F_ij = A_j F_ji`` holds exactly. Row sums are what was
-    measured, never normalised.
+    measured, never normalised. Where patches are two-sided, rows and columns are sides: the fronts of all patches,
+    then the backs of the two-sided ones; ``patch`` says whose.
+
+    Attributes:
+        patches: what they are between.
+        patch: (n,) the patch of each row and column; ``arange(n)`` where all are one-sided.
+        area: (n,) m2.
+        report: how they were found and how wrong they may be.
     """
 
-    def __init__(self, patches: Patches, native: _native.Factors) -> None:
-        if bool(np.any(patches.two_sided)):
-            raise ValueError("form factors between patches need one-sided surfaces: set two_sided=False")
+    def __init__(self, patches: Patches, native: _native.Factors, method: str, tolerance: float | None) -> None:
         self.patches = patches
+        self.patch = native.patch
+        self.area = patches.area[self.patch]
+        self.report = FactorReport(method=method, tolerance=tolerance, **native.report())
         self._native = native
         with np.errstate(divide="ignore"):
-            self._inverse_area = np.where(patches.area > 0, 1 / patches.area, 0.0)
-        super().__init__(dtype=np.float64, shape=(len(patches), len(patches)))
+            self._inverse_area = np.where(self.area > 0, 1 / self.area, 0.0)
+        super().__init__(dtype=np.float64, shape=(len(native), len(native)))
+
+    def __repr__(self) -> str:
+        return f"FormFactors({self.shape[0]} x {self.shape[1]} by {self.report.method})"
 
     def _matmat(self, x: npt.ArrayLike) -> Floats:
         block = np.ascontiguousarray(x, dtype=np.float64)
@@ -54,71 +128,216 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         return self._native.exchange(scaled)[:, 0]
 
     def row(self, i: int) -> Floats:
-        """(n,) form factors from patch i."""
-        if not -len(self.patches) <= i < len(self.patches):
-            raise IndexError(f"row {i} of {len(self.patches)} patches")
-        columns, values = self._native.entries(i % len(self.patches))
-        row: Floats = np.bincount(columns, values, len(self.patches)) * self._inverse_area[i]
+        """(n,) form factors from patch i.
+
+        Raises:
+            IndexError: there is no such patch.
+        """
+        n = self.shape[0]
+        if not -n <= i < n:
+            raise IndexError(f"row {i} of {n} patches")
+        row = np.zeros(n)
+        columns, values = self._native.row(i % n)
+        row[columns] = values * self._inverse_area[i]
         return row
 
     def toarray(self) -> Floats:
         """(n, n) dense form factors."""
-        dense: Floats = self.to_scipy_sparse().toarray()
-        return dense
+        return self._native.dense()
 
     def to_scipy_sparse(self) -> csr_array:
-        """(n, n) compressed rows."""
-        n = len(self.patches)
-        rows = [self._native.entries(i) for i in range(n)]
-        counts = np.array([len(columns) for columns, _ in rows])
-        columns = np.concatenate([c for c, _ in rows]) if n else np.zeros(0, int)
-        values = np.concatenate([v for _, v in rows]) if n else np.zeros(0)
-        matrix = csr_array(
-            (values * np.repeat(self._inverse_area, counts), columns, np.concatenate([[0], np.cumsum(counts)])),
-            shape=(n, n),
-        )
-        matrix.sum_duplicates()
-        return matrix
+        """(n, n) compressed rows of the factors that are not zero."""
+        return self._compressed(self._native.csr())
+
+    def _compressed(self, rows: _native.CsrTuple) -> csr_array:
+        offsets, columns, values = rows
+        return csr_array((values, columns.astype(np.int32), offsets), shape=self.shape)
+
+    def standard_error(self) -> csr_array:
+        """(n, n) compressed rows: the standard error of each factor above zero, of the method ``monte_carlo``.
+
+        It is that of as many independent rays; quasi-random rays do better. A factor without an entry was hit by no
+        ray: with 95 % probability it is below 3 / rays.
+
+        Raises:
+            ValueError: another method found them; see ``report.estimated_error``.
+        """
+        rows = self._native.standard_error()
+        if rows is None:
+            raise ValueError(f"{self.report.method} has no standard errors; see report.estimated_error")
+        return self._compressed(rows)
 
     def closure(self) -> Floats:
         """(n,) raw row sums: 1 in a closed enclosure up to the error of the method, never normalised."""
-        return self._matvec(np.ones(len(self.patches)))
+        return self._matvec(np.ones(self.shape[0]))
+
+    def reciprocity_error(self) -> float:
+        """The greatest ``|A_i F_ij - A_j F_ji|`` relative to the smaller area: rounding, since one G serves both.
+
+        ``report.disagreement`` tells how far apart both ends were before they were combined.
+        """
+        matrix = self.to_scipy_sparse()
+        exchange = csr_array((matrix.data * np.repeat(self.area, np.diff(matrix.indptr)), matrix.indices, matrix.indptr))
+        difference = abs(exchange - exchange.T).tocoo()
+        if difference.nnz == 0:
+            return 0.0
+        rows, columns = difference.coords
+        return float(np.max(difference.data / np.minimum(self.area[rows], self.area[columns])))
+
+    def enforce(self, what: Literal["closure"] = "closure", sums: npt.ArrayLike = 1.0) -> FormFactors:
+        """Form factors nearest to these, reciprocal, not negative, whose rows sum to what is known.
+
+        Least squares by relative change: Larsen and Howell (1986), *Least-squares smoothing of direct-exchange areas
+        in zonal analysis*, J. Heat Transfer 108, 239. These stay as they are.
+
+        Args:
+            what: "closure".
+            sums: wanted row sums, one for all or (n,): 1 in a closed enclosure.
+
+        Raises:
+            ValueError: sums that are not in [0, 1], or that no reciprocal factors have, such as 1 for two plates of
+                different area that see only each other.
+        """
+        if what != "closure":
+            raise ValueError(f"there is nothing to enforce by the name '{what}'; closure can be")
+        wanted = np.broadcast_to(np.asarray(sums, dtype=np.float64), self.shape[:1])
+        if not np.all((wanted >= 0) & (wanted <= 1)):
+            raise ValueError("row sums of form factors must be within 0 and 1")
+        blind = np.flatnonzero((self.closure() == 0) & (wanted > 0) & (self.area > 0))
+        if len(blind):
+            raise ValueError(f"patch {self.patch[blind[0]]} sees nothing, so that its row cannot sum to 1")
+        native, left = self._native.smoothed(wanted.tolist())
+        if left > ENFORCED:
+            raise ValueError(f"no reciprocal form factors have these row sums: some stay {left:.1e} off")
+        return FormFactors(self.patches, native, self.report.method, self.report.tolerance)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write ``.npz`` (reads back with :meth:`load` and with ``scipy.sparse.load_npz``) or ``.csv``.
+
+        The file appears whole or not at all.
+
+        Raises:
+            ValueError: another suffix.
+            OSError: the disk is full, the folder is missing ...
+        """
+        from radiosity.factor_files import save_factors  # noqa: PLC0415
+
+        save_factors(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], patches: Patches | None = None) -> FormFactors:
+        """Read what :meth:`save` wrote as ``.npz``.
+
+        Args:
+            path: the file.
+            patches: what the factors are between, to solve on them. By default patches are made anew from the file,
+                with the reflectance and emission of their surfaces.
+
+        Raises:
+            ValueError: no such file, or it was measured on other patches.
+            OSError: the file cannot be read.
+        """
+        from radiosity.factor_files import load_factors  # noqa: PLC0415
+
+        return load_factors(path, patches)
+
+
+ENFORCED = 1e-6
+"""Relative deviation of a row sum above which it counts as not met."""
 
 
 def form_factors(
     patches: Patches,
     *,
-    method: Literal["auto", "monte_carlo"] = "auto",
+    method: Method = "auto",
     tolerance: float | None = None,
     rays: int | None = None,
+    resolution: int | None = None,
+    hemicubes: int | None = None,
+    points: int | None = None,
     seed: int = 0,
+    memory_limit: int | None = None,
     threads: int | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress | None = None,
 ) -> FormFactors:
-    """Measure the form factors between all patches of an occluded scene.
+    """Measure the form factors between all patches, whatever stands between them.
 
     Args:
-        patches: one-sided patches.
-        method: "monte_carlo" shoots quasi-random cosine-distributed rays from every patch; "auto" chooses it.
-        tolerance: wanted standard error of one form factor; sets ``rays`` to 1 / (4 tolerance^2), the worst case.
-        rays: rays per patch (default 4,096).
-        seed, threads, progress: as in :func:`radiosity.solve`.
+        patches: the patches; where some are two-sided, their backs take part and follow all fronts.
+        method: how.
+            "auto": per pair the cheapest way that meets the tolerance: Gauss points on both areas, contour integrals
+            where patches are near or touch; where something may stand between, exactly what is visible, integrated
+            adaptively, or a few rays where they suffice.
+            "analytic": closed forms where all edges are parallel or perpendicular, contour integrals to 1e-12 elsewhere.
+            "contour": contour integrals for every pair.
+            "nusselt": Nusselt's analog, the projected area on the base of the hemisphere, averaged over points.
+            "hemicube": item buffers of hemicubes on every patch (Cohen and Greenberg 1985).
+            "monte_carlo": quasi-random cosine-distributed rays from every patch.
+        tolerance: wanted error of a form factor, and of a row sum (default 1e-6). Nusselt's analog and hemicubes take
+            points and hemicubes until both ends of pairs and successive answers agree as well, within limits;
+            ``report.estimated_error`` says what was reached. For rays the standard error of one form factor at worst.
+        rays: rays per patch of "monte_carlo" (default 4,096), instead of a tolerance.
+        resolution: pixels along an edge of a hemicube (default 512), even.
+        hemicubes: hemicubes per patch (default 1, at the centroid), instead of a tolerance.
+        points: points per direction of "nusselt" (default 4, that is 16 points a patch), instead of a tolerance.
+        seed: the same seed gives the same bytes.
+        memory_limit: bytes that may be taken (default: four fifths of what is available).
+        threads: default: all cores. The answer does not depend on it.
+        progress: called with (done, total) some twenty times a second.
 
     Raises:
-        ValueError: a tolerance that needs more than 2^22 rays per patch, or two-sided patches.
+        ValueError: no such method, a count that does not go with the method, a tolerance out of reach.
+        ResourceError: the form factors may not fit the memory limit.
     """
-    if method not in ("auto", "monte_carlo"):
-        raise ValueError(f"there is no method '{method}'; choose auto or monte_carlo")
-    if rays is None:
-        rays = DEFAULT_RAYS if tolerance is None else _rays_for(tolerance)
-    rays, seed = whole(rays, "rays", 1, MAX_RAYS), whole(seed, "seed", 0, 2**64 - 1)
-    native = _native.form_factors(patches._enclosure, rays, seed, threads_or_all(threads), progress)
-    return FormFactors(patches, native)
+    if method not in METHODS:
+        raise ValueError(f"there is no method '{method}'; choose {', '.join(METHODS[:-1])} or {METHODS[-1]}")
+    if tolerance is not None and not 0 < tolerance < np.inf:
+        raise ValueError(f"tolerance must be a positive number such as 1e-4, not {tolerance}")
+    counts = {"rays": rays, "resolution": resolution, "hemicubes": hemicubes, "points": points}
+    _only_those_of(method, {name: count for name, count in counts.items() if count is not None})
+    samples, wanted = _samples(method, tolerance, rays, hemicubes, points)
+    native = _native.form_factors(
+        patches._enclosure,
+        method,
+        DEFAULT_TOLERANCE if wanted is None else wanted,
+        samples,
+        whole(resolution or DEFAULT_RESOLUTION, "resolution", 8, 4096),
+        whole(seed, "seed", 0, 2**64 - 1),
+        memory_or_most(memory_limit),
+        threads_or_all(threads),
+        progress,
+    )
+    return FormFactors(patches, native, method, wanted)
+
+
+_COUNTS = {"nusselt": {"points"}, "hemicube": {"resolution", "hemicubes"}, "monte_carlo": {"rays"}}
+
+
+def _only_those_of(method: str, counts: dict[str, int]) -> None:
+    if foreign := [name for name in counts if name not in _COUNTS.get(method, set())]:
+        raise ValueError(f"the method {method} takes no {foreign[0]}")
+
+
+def _samples(
+    method: str, tolerance: float | None, rays: int | None, hemicubes: int | None, points: int | None
+) -> tuple[int | None, float | None]:
+    """How many samples a method is to take, None for as many as the tolerance needs, and the tolerance."""
+    if method == "monte_carlo":
+        if rays is None:
+            rays = DEFAULT_RAYS if tolerance is None else _rays_for(tolerance)
+        return whole(rays, "rays", 1, MAX_RAYS), tolerance
+    if method == "nusselt":
+        few = 4 if tolerance is None else None
+        return few if points is None else whole(points, "points", 1, MAX_POINTS), tolerance
+    if method == "hemicube":
+        few = 1 if tolerance is None else None
+        return few if hemicubes is None else whole(hemicubes, "hemicubes", 1, 4096), tolerance
+    return None, DEFAULT_TOLERANCE if tolerance is None else tolerance
 
 
 def _rays_for(tolerance: float) -> int:
     """Rays that bring the standard error of the worst factor, 1/2, down to ``tolerance``."""
     least = 0.5 / MAX_RAYS**0.5
-    if not least <= tolerance < np.inf:
-        raise ValueError(f"a tolerance of {tolerance} is out of reach: ask for {least:.1e} or more")
+    if tolerance < least:
+        raise ValueError(f"a tolerance of {tolerance} is out of reach of rays: ask for {least:.1e} or more")
     return int(np.ceil(0.25 / tolerance**2))

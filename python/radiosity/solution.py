@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radiosity import _native
-from radiosity.checks import threads_or_all, whole
+from radiosity.checks import memory_or_most, threads_or_all, whole
 from radiosity.factors import FormFactors
 from radiosity.patches import Patches
 from radiosity.report import Report
@@ -158,12 +158,12 @@ def solve(
         if transport.patches is not patches:
             raise ValueError("transport was measured on other patches; pass those patches to solve")
         native = transport._native.solve(
-            patches.reflectance, patches.emission, lamps, accuracy, solver, threads, progress
+            patches.reflectance, patches.emission, lamps, accuracy, solver, seed, threads, progress
         )
     else:
         native = _native.solve(
             patches._enclosure, patches.reflectance, patches.emission, lamps, accuracy, seed,
-            whole(max_rays, "max_rays", 1, 2**32 - 1), _memory(memory_limit), solver, exact, threads, progress,
+            whole(max_rays, "max_rays", 1, 2**32 - 1), memory_or_most(memory_limit), solver, exact, threads, progress,
         )  # fmt: skip
     return Solution(patches, native, patches.reflectance, patches.emission, options)
 
@@ -172,19 +172,6 @@ def _is_exact(closure: str) -> bool:
     if closure not in ("balanced", "exact"):
         raise ValueError(f"there is no closure '{closure}'; choose balanced or exact")
     return closure == "exact"
-
-
-def _memory(limit: int | None) -> int:
-    return _available_memory() if limit is None else whole(limit, "memory_limit", 0, 2**64 - 1)
-
-
-def _available_memory() -> int:
-    """Four fifths of the memory that is free now, where the system says."""
-    try:
-        pages, size = os.sysconf("SC_AVPHYS_PAGES"), os.sysconf("SC_PAGE_SIZE")
-    except (ValueError, OSError, AttributeError):
-        return (1 << 64) - 1
-    return int(0.8 * pages * size)
 
 
 __all__ = ["DEFAULT_PATCHES", "Solution", "solve"]

@@ -24,19 +24,20 @@ type Csr<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py
 
 /// Measures the form factors between all sides.
 #[pyfunction]
-#[pyo3(signature = (enclosure, method, tolerance, samples, seed, memory_limit, threads=None, progress=None))]
+#[pyo3(signature = (enclosure, method, tolerance, samples, resolution, seed, memory_limit, threads=None, progress=None))]
 pub fn form_factors(
     py: Python<'_>,
     enclosure: &Enclosure,
     method: &str,
     tolerance: f64,
     samples: Option<u32>,
+    resolution: usize,
     seed: u64,
     memory_limit: u64,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Factors> {
-    let method = method_in(method, samples)?;
+    let method = method_in(method, samples, resolution)?;
     let settings = Settings { method, tolerance, seed, memory_limit };
     let enclosure = enclosure.inner.clone();
     let result = watch::run(py, threads, progress.as_ref(), |control| measure(enclosure, &settings, control))?;
@@ -73,7 +74,7 @@ pub fn given_factors(
     Ok(Factors { inner: Arc::new(inner) })
 }
 
-fn method_in(name: &str, samples: Option<u32>) -> PyResult<Method> {
+fn method_in(name: &str, samples: Option<u32>, _resolution: usize) -> PyResult<Method> {
     Ok(match name {
         "auto" => Method::Auto,
         "analytic" => Method::Analytic,
