@@ -57,21 +57,30 @@ fn geometry_findings(scene: &Scene) -> Vec<Finding> {
         found.push(Finding::error("no-faces", "", message));
     }
     let mut sound = true;
-    for surface in &scene.surfaces {
-        empty_surface(surface, &mut found);
-        let indexed = vertices_are_finite(surface, &mut found) & indices_in_range(surface, &mut found);
-        sound &= indexed;
-        if indexed {
-            face_shapes(surface, &mut found);
-            unused_vertices(surface, &mut found);
-        }
+    for (surface, name) in scene.surfaces.iter().map(|surface| (surface, named(surface))) {
+        empty_surface(surface, &name, &mut found);
+        sound &= shape_findings(surface, &name, &mut found);
+    }
+    for obstruction in &scene.obstructions {
+        sound &= shape_findings(obstruction, &format!("obstruction '{}'", obstruction.name), &mut found);
     }
     repeated_names(scene, &mut found);
+    combinations(scene, &mut found);
     if sound {
         duplicate_faces(scene, &mut found);
         plausible_size(scene, &mut found);
     }
     found
+}
+
+/// The rules about one surface by itself, called `name` in messages; whether others can look at its corners.
+fn shape_findings(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
+    let indexed = vertices_are_finite(surface, name, found) & indices_in_range(surface, name, found);
+    if indexed {
+        face_shapes(surface, name, found);
+        unused_vertices(surface, name, found);
+    }
+    indexed
 }
 
 fn optics_findings(scene: &Scene) -> Vec<Finding> {
@@ -107,33 +116,33 @@ fn named(surface: &Surface) -> String {
     format!("surface '{}'", surface.name)
 }
 
-fn empty_surface(surface: &Surface, found: &mut Vec<Finding>) {
+fn empty_surface(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
     if surface.faces.is_empty() {
         let message = "has no faces and takes no part; remove it";
-        found.push(Finding::warning("empty-surface", named(surface), message));
+        found.push(Finding::warning("empty-surface", name, message));
     }
 }
 
-fn vertices_are_finite(surface: &Surface, found: &mut Vec<Finding>) -> bool {
+fn vertices_are_finite(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
     let Some(bad) = surface.vertices.iter().position(|vertex| !vertex.is_finite()) else {
         return true;
     };
     let v = surface.vertices[bad];
     found.push(Finding::error(
         "non-finite-vertex",
-        format!("{}, vertex {bad}", named(surface)),
+        format!("{name}, vertex {bad}"),
         format!("its position ({}, {}, {}) is not finite; repair the mesh", v.x, v.y, v.z),
     ));
     false
 }
 
-fn indices_in_range(surface: &Surface, found: &mut Vec<Finding>) -> bool {
+fn indices_in_range(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
     let count = surface.vertices.len();
     let out_of_range = |face: &[u32; 4]| face.iter().any(|&vertex| vertex as usize >= count);
     let Some(bad) = surface.faces.iter().position(out_of_range) else { return true };
     found.push(Finding::error(
         "index-out-of-range",
-        format!("{}, face {bad}", named(surface)),
+        format!("{name}, face {bad}"),
         format!("it refers to vertices {:?} of {count}; indices count from 0", surface.faces[bad]),
     ));
     false
@@ -160,7 +169,7 @@ impl Tally {
     }
 }
 
-fn face_shapes(surface: &Surface, found: &mut Vec<Finding>) {
+fn face_shapes(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
     let [mut flat, mut bent, mut folded] = [const { Tally { first: None, count: 0 } }; 3];
     for (i, &face) in surface.faces.iter().enumerate() {
         match quad::classify(surface.corners(face)) {
@@ -173,14 +182,14 @@ fn face_shapes(surface: &Surface, found: &mut Vec<Finding>) {
     if let Some((i, off)) = bent.first {
         found.push(Finding::error(
             "non-planar-face",
-            format!("{}, face {i}{}", named(surface), bent.and_more()),
+            format!("{name}, face {i}{}", bent.and_more()),
             format!("the corners of the quad lie {off:.3e} m off their plane; split it in triangles"),
         ));
     }
     if let Some((i, _)) = folded.first {
         found.push(Finding::error(
             "non-convex-face",
-            format!("{}, face {i}{}", named(surface), folded.and_more()),
+            format!("{name}, face {i}{}", folded.and_more()),
             "the quad has an inward corner or crosses itself; order its corners around its edge or split it in triangles",
         ));
     }
@@ -188,13 +197,13 @@ fn face_shapes(surface: &Surface, found: &mut Vec<Finding>) {
         let count = flat.count;
         found.push(Finding::warning(
             "zero-area-faces",
-            named(surface),
+            name,
             format!("{count} of {} faces have no area, face {i} first; they are left out", surface.faces.len()),
         ));
     }
 }
 
-fn unused_vertices(surface: &Surface, found: &mut Vec<Finding>) {
+fn unused_vertices(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
     let mut used = vec![false; surface.vertices.len()];
     for &vertex in surface.faces.iter().flatten() {
         used[vertex as usize] = true;
@@ -202,7 +211,7 @@ fn unused_vertices(surface: &Surface, found: &mut Vec<Finding>) {
     let unused = used.iter().filter(|&&used| !used).count();
     if unused > 0 && !surface.faces.is_empty() {
         let message = format!("{unused} of {} vertices belong to no face", used.len());
-        found.push(Finding::note("unused-vertices", named(surface), message));
+        found.push(Finding::note("unused-vertices", name, message));
     }
 }
 
@@ -216,6 +225,21 @@ fn repeated_names(scene: &Scene, found: &mut Vec<Finding>) {
             let message = format!("{count} surfaces share this name; results by name will be ambiguous");
             found.push(Finding::warning("repeated-name", named(surface), message));
         }
+    }
+}
+
+/// Surfaces count with one that exists and counts by itself.
+fn combinations(scene: &Scene, found: &mut Vec<Finding>) {
+    let count = scene.surfaces.len();
+    for (&part, &whole) in &scene.combined {
+        let message = if part >= count || whole >= count {
+            format!("surface {part} counts with surface {whole}, of {count}; indices count from 0")
+        } else if part == whole || scene.combined.contains_key(&whole) {
+            format!("surface {part} counts with surface {whole}, which counts with another; name the last one")
+        } else {
+            continue;
+        };
+        found.push(Finding::error("combined-surfaces", "", message));
     }
 }
 

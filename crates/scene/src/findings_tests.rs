@@ -208,3 +208,35 @@ fn findings_print_as_one_line() {
     let found = Finding::warning("dark-light", "light 'a'", "its intensity is zero");
     assert_eq!(found.to_string(), "warning [dark-light]: light 'a': its intensity is zero");
 }
+
+#[test]
+fn obstructions_are_checked_by_their_shapes_and_nothing_else() {
+    let mut sheet = square();
+    (sheet.name, sheet.material) = ("screen".into(), Material::default());
+    sheet.vertices.iter_mut().for_each(|vertex| vertex.z += 1.0);
+    let mut scene = scene(vec![square()]);
+    scene.obstructions.push(sheet);
+    assert_eq!(scene.findings(), vec![]);
+
+    scene.obstructions[0].vertices[2].z += 0.4;
+    let found = only(&scene);
+    assert_eq!((found.code, found.element.as_str()), ("non-planar-face", "obstruction 'screen', face 0"));
+    scene.obstructions[0].faces[0][1] = 9;
+    assert_eq!(only(&scene).code, "index-out-of-range");
+    scene.obstructions[0].vertices[0].x = f64::NAN;
+    assert!(scene.validate_geometry().unwrap_err().to_string().contains("obstruction 'screen', vertex 0"));
+}
+
+#[test]
+fn combined_surfaces_exist_and_do_not_chain() {
+    let mut above = square();
+    above.name = "above".into();
+    above.vertices.iter_mut().for_each(|vertex| vertex.z += 1.0);
+    let mut scene = scene(vec![square(), above]);
+    for (pairs, sound) in [(vec![(1, 0)], true), (vec![(1, 1)], false), (vec![(2, 0)], false), (vec![(0, 2)], false)] {
+        scene.combined = pairs.into_iter().collect();
+        assert_eq!(scene.findings().is_empty(), sound, "{:?}", scene.combined);
+    }
+    scene.combined = [(0, 1), (1, 0)].into_iter().collect();
+    assert!(scene.findings().iter().all(|found| found.code == "combined-surfaces"));
+}
