@@ -323,7 +323,7 @@ def _band_names(n: int) -> list[str]:
 
 
 def load(path: str | os.PathLike[str], *, unit: str = "m", two_sided: bool | None = None) -> Scene:
-    """Read a scene from a ``.glb``, ``.gltf`` or ``.obj`` file.
+    """Read a scene from a ``.glb``, ``.gltf``, ``.obj``, ``.stl``, ``.ply`` or ``.vs3`` file.
 
     Args:
         path: the file.

@@ -18,7 +18,7 @@ Triple = tuple[float, float, float]
 
 SceneFile = Annotated[
     str,
-    typer.Argument(metavar="FILE", help="A .glb, .gltf or .obj file, or builtin:NAME (see radiosity scenes)."),
+    typer.Argument(metavar="FILE", help="A .glb, .gltf, .obj, .stl, .ply or .vs3 file, or builtin:NAME."),
 ]
 
 # How the scene is read.
