@@ -3,10 +3,14 @@
 //! Each rule appends findings and knows nothing of the others. Rules about one surface report once per surface with
 //! a count, so that a broken file does not answer with a million sentences.
 
-use std::collections::{BTreeMap, HashMap};
+mod edges;
+mod overlaps;
+
+use std::collections::HashMap;
 
 use glam::DVec3;
 
+use self::overlaps::{corner_key, duplicate_faces};
 use crate::model::{Camera, Finding, Light, Scene, SceneError, Severity, Surface};
 use crate::quad::{self, Shape};
 
@@ -17,8 +21,40 @@ const HIGH_REFLECTANCE: f64 = 0.95;
 const PLAUSIBLE_SIZE: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
 impl Scene {
-    /// All that the loader noticed, followed by all that the rules find.
+    /// All that the loader noticed, followed by all that the rules find. Whether the surfaces enclose a space is asked
+    /// only where the scene says that they should, in [`Scene::hints`].
     pub fn findings(&self) -> Vec<Finding> {
+        let mut found = self.essential_findings();
+        if self.is_indexed() {
+            edges::mixed_winding(self, &mut found);
+            overlaps::overlapping_faces(self, &mut found);
+        }
+        if self.hints.enclosure {
+            found.extend(self.enclosure_findings());
+        }
+        found
+    }
+
+    /// Where the surfaces fail to enclose a space: edges of one face only, and edges where more than two meet. They are
+    /// notes, because no more than the author of a scene knows whether it should be closed.
+    pub fn enclosure_findings(&self) -> Vec<Finding> {
+        let mut found = Vec::new();
+        if self.is_indexed() {
+            edges::enclosure(self, &mut found);
+        }
+        found
+    }
+
+    /// Whether all corners of all surfaces are points.
+    fn is_indexed(&self) -> bool {
+        let mut ignored = Vec::new();
+        let mut is_indexed =
+            |s: &Surface| vertices_are_finite(s, "", &mut ignored) && indices_in_range(s, "", &mut ignored);
+        self.surfaces.iter().all(|surface| is_indexed(surface))
+    }
+
+    /// All findings that may be errors, and those that come with them.
+    fn essential_findings(&self) -> Vec<Finding> {
         let mut found = self.findings.clone();
         found.extend(geometry_findings(self));
         found.extend(optics_findings(self));
@@ -31,7 +67,7 @@ impl Scene {
     /// # Errors
     /// The first finding of severity [`Severity::Error`], a missing light included.
     pub fn validate(&self) -> Result<(), SceneError> {
-        self.refuse(self.findings())
+        self.refuse(self.essential_findings())
     }
 
     /// Whether the shapes are sound, whatever the materials and lights: all that form factors need.
@@ -241,40 +277,6 @@ fn combinations(scene: &Scene, found: &mut Vec<Finding>) {
         };
         found.push(Finding::error("combined-surfaces", "", message));
     }
-}
-
-/// Faces with the same corners in any order, counted per pair of surfaces.
-fn duplicate_faces(scene: &Scene, found: &mut Vec<Finding>) {
-    let mut first_with = HashMap::new();
-    let mut pairs: BTreeMap<(usize, usize), Tally> = BTreeMap::new();
-    for (s, surface) in scene.surfaces.iter().enumerate() {
-        for (f, &face) in surface.faces.iter().enumerate() {
-            let other = *first_with.entry(corner_key(surface.corners(face))).or_insert((s, f));
-            if other != (s, f) {
-                pairs.entry((other.0, s)).or_default().add(f, 0.0);
-            }
-        }
-    }
-    for ((s, t), tally) in pairs {
-        let (other, face) = (&scene.surfaces[s].name, tally.first.map_or(0, |first| first.0));
-        found.push(Finding::warning(
-            "duplicate-faces",
-            format!("surface '{}', face {face}{}", scene.surfaces[t].name, tally.and_more()),
-            format!("it coincides with a face of '{other}'; remove one, or light will leak or be lost between them"),
-        ));
-    }
-}
-
-/// The corner positions in a fixed order; the repeated corner of a triangle counts once.
-fn corner_key(corners: [DVec3; 4]) -> [[u64; 3]; 4] {
-    // Adding zero turns -0.0 into 0.0, which is the same place.
-    let mut key = corners.map(|corner| corner.to_array().map(|x| (x + 0.0).to_bits()));
-    key.sort_unstable();
-    if let Some(repeat) = (1..4).find(|&i| key[i] == key[i - 1]) {
-        key[repeat..].rotate_left(1);
-        key[3] = [u64::MAX; 3];
-    }
-    key
 }
 
 fn plausible_size(scene: &Scene, found: &mut Vec<Finding>) {

@@ -166,12 +166,13 @@ fn spot_cone_and_direction_are_checked() {
 
 #[test]
 fn coincident_faces_are_found_in_any_orientation() {
-    let mut back = square();
-    back.name = "back".into();
-    back.faces = vec![[1, 0, 3, 2]];
-    let found = only(&scene(vec![square(), back]));
-    assert_eq!((found.severity, found.code), (Severity::Warning, "duplicate-faces"));
-    assert!(found.element.contains("'back'") && found.message.contains("'square'"));
+    for (face, code) in [([2, 3, 0, 1], "duplicate-faces"), ([1, 0, 3, 2], "coincident-opposite")] {
+        let mut twin = square();
+        (twin.name, twin.faces) = ("twin".into(), vec![face]);
+        let found = only(&scene(vec![square(), twin]));
+        assert_eq!((found.severity, found.code), (Severity::Warning, code));
+        assert!(found.element.contains("'twin'") && found.message.contains("'square'"));
+    }
 }
 
 #[test]
@@ -239,4 +240,95 @@ fn combined_surfaces_exist_and_do_not_chain() {
     }
     scene.combined = [(0, 1), (1, 0)].into_iter().collect();
     assert!(scene.findings().iter().all(|found| found.code == "combined-surfaces"));
+}
+
+/// The faces of a unit cube, looking outward.
+fn cube() -> Surface {
+    let corner = |i: u32| [0, 1, 2].map(|axis| f64::from(i >> axis & 1));
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    surface(&[0, 1, 2, 3, 4, 5, 6, 7].map(corner), &faces)
+}
+
+#[test]
+fn neighbours_wind_alike() {
+    assert_eq!(scene(vec![cube()]).findings(), vec![]);
+    let mut mixed = cube();
+    mixed.faces[1].reverse();
+    let found = only(&scene(vec![mixed.clone()]));
+    assert_eq!((found.severity, found.code), (Severity::Warning, "mixed-winding"));
+    // Each of the four edges of the turned face, which comes before three of its neighbours.
+    assert_eq!(found.element, "surface 'square', face 2 (and 3 more)");
+
+    // Whoever sees both sides of a face need not care.
+    mixed.material.two_sided = true;
+    assert_eq!(scene(vec![mixed]).findings(), vec![]);
+}
+
+#[test]
+fn closed_spaces_have_no_open_edges() {
+    assert_eq!(scene(vec![cube()]).enclosure_findings(), vec![]);
+
+    let mut open = cube();
+    open.faces.remove(1);
+    let mut scene = scene(vec![open]);
+    assert_eq!(scene.findings(), vec![]);
+    let found = scene.enclosure_findings();
+    assert_eq!((found.len(), found[0].severity, found[0].code), (1, Severity::Note, "open-edges"));
+    assert!(found[0].message.starts_with("4 edges belong to one face only, first the one at ("), "{}", found[0]);
+    assert!(found[0].message.contains("1.0000);"), "the lid is at z = 1: {}", found[0]);
+    scene.hints.enclosure = true;
+    assert_eq!(only(&scene).code, "open-edges");
+}
+
+#[test]
+fn edges_may_meet_the_middle_of_others() {
+    let mut parts = cube();
+    parts.faces.remove(1);
+    // The lid in two halves, whose corners are in the middle of edges of the walls.
+    let lid = [[0., 0., 1.], [0.5, 0., 1.], [1., 0., 1.], [1., 1., 1.], [0.5, 1., 1.], [0., 1., 1.]];
+    parts.vertices.extend(lid.map(DVec3::from_array));
+    parts.faces.extend([[8, 9, 12, 13], [9, 10, 11, 12]]);
+    assert_eq!(scene(vec![parts.clone()]).enclosure_findings(), vec![]);
+    parts.faces.pop();
+    assert!(scene(vec![parts]).enclosure_findings()[0].message.starts_with("4 edges"));
+}
+
+#[test]
+fn crowded_edges_are_noted() {
+    let mut walled = cube();
+    walled.faces.push([0, 1, 7, 6]);
+    let found = scene(vec![walled]).enclosure_findings();
+    // The other two edges of the wall end in the middle of two sides.
+    assert_eq!([found[0].code, found[1].code], ["open-edges", "non-manifold-edges"]);
+    assert!(found[1].message.starts_with("more than two faces meet at 2 edges"), "{}", found[1]);
+}
+
+#[test]
+fn overlaps_in_one_plane_are_found() {
+    let placed = |x: f64, y: f64, z: f64, faces: &[Face]| {
+        let mut other = square();
+        other.name = "other".into();
+        other.vertices.iter_mut().for_each(|vertex| *vertex += DVec3::new(x, y, z));
+        other.faces = faces.to_vec();
+        scene(vec![square(), other])
+    };
+    let found = only(&placed(0.5, 0.25, 0.0, &[[0, 1, 2, 3]]));
+    assert_eq!((found.severity, found.code), (Severity::Warning, "overlapping-faces"));
+    assert_eq!(found.element, "surface 'other', face 0");
+    assert!(found.message.contains("'square'"));
+    // Neighbours, faces above one another, and what stands on a floor.
+    for (x, z, face) in [(1.0, 0.0, [0, 1, 2, 3]), (0.5, 1e-3, [0, 1, 2, 3]), (0.5, 0.0, [3, 2, 1, 0])] {
+        assert_eq!(placed(x, 0.0, z, &[face]).findings(), vec![]);
+    }
+    let codes = placed(0.0, 0.0, 0.0, &[[0, 1, 2, 2]]).findings().into_iter().map(|found| found.code);
+    assert_eq!(codes.collect::<Vec<_>>(), ["unused-vertices", "overlapping-faces"]);
+}
+
+#[test]
+fn rules_about_neighbours_wait_for_sound_indices() {
+    let mut bad = cube();
+    bad.faces[3][2] = 99;
+    let scene = scene(vec![bad]);
+    assert_eq!(only(&scene).code, "index-out-of-range");
+    assert_eq!(scene.enclosure_findings(), vec![]);
 }

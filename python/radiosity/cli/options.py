@@ -18,7 +18,10 @@ Triple = tuple[float, float, float]
 
 SceneFile = Annotated[
     str,
-    typer.Argument(metavar="FILE", help="A .glb, .gltf, .obj, .stl, .ply or .vs3 file, or builtin:NAME."),
+    typer.Argument(
+        metavar="FILE",
+        help="A .glb, .gltf, .obj, .stl, .ply or .vs3 file, or builtin:NAME (see radiosity scenes).",
+    ),
 ]
 
 # How the scene is read.
