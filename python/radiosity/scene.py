@@ -266,9 +266,17 @@ class Scene:
         bands, combined = list(self.bands), dict(self.combined)
         return _native.Scene(self.name, bands, surfaces, lights, cameras, obstructions, combined)
 
-    def findings(self) -> list[Finding]:
-        """Everything worth knowing before lighting the scene, worst first."""
-        found = self.loading_findings + [Finding(*f) for f in self._native().findings()]
+    def findings(self, *, enclosure: bool | None = None) -> list[Finding]:
+        """Everything worth knowing before lighting the scene, worst first.
+
+        Args:
+            enclosure: whether the surfaces should enclose a space, so that open edges are worth a note; as the hints
+                say by default.
+        """
+        native = self._native()
+        found = self.loading_findings + [Finding(*f) for f in native.findings()]
+        if bool(self.hints.get("enclosure")) if enclosure is None else enclosure:
+            found += [Finding(*f) for f in native.enclosure_findings()]
         rank = {"error": 0, "warning": 1, "note": 2}
         return sorted(found, key=lambda f: rank[f.severity])
 

@@ -107,6 +107,11 @@ impl Scene {
         findings_out(&self.inner.findings())
     }
 
+    /// Where the surfaces fail to enclose a space.
+    fn enclosure_findings(&self) -> Vec<(&'static str, &'static str, String, String)> {
+        findings_out(&self.inner.enclosure_findings())
+    }
+
     /// Raises `SceneError` if the scene cannot be lit.
     fn validate(&self) -> PyResult<()> {
         self.inner.validate().map_err(errors::scene)

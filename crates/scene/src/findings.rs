@@ -50,7 +50,7 @@ impl Scene {
         let mut ignored = Vec::new();
         let mut is_indexed =
             |s: &Surface| vertices_are_finite(s, "", &mut ignored) && indices_in_range(s, "", &mut ignored);
-        self.surfaces.iter().all(|surface| is_indexed(surface))
+        self.surfaces.iter().all(&mut is_indexed)
     }
 
     /// All findings that may be errors, and those that come with them.

@@ -31,6 +31,15 @@ TwoSided = Annotated[
     typer.Option("--two-sided/--one-sided", help="Which sides reflect, whatever the file says.", show_default=False),
 ]
 
+Enclosure = Annotated[
+    bool | None,
+    typer.Option(
+        "--enclosure/--no-enclosure",
+        help="Whether the surfaces should enclose a space; as the file says by default.",
+        show_default=False,
+    ),
+]
+
 # How it is cut into patches.
 MaxEdge = Annotated[float | None, typer.Option(metavar="METRES", help="Longest edge of a patch.")]
 PatchCount = Annotated[
