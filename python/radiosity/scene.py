@@ -235,8 +235,8 @@ class Scene:
         faces = sum(len(np.asarray(s.faces)) for s in self.surfaces)
         obstructions = f"{len(self.obstructions)} obstructions, " if self.obstructions else ""
         return (
-            f"Scene('{self.name}', {len(self.surfaces)} surfaces, {faces} faces, {obstructions}{len(self.lights)} lights, "
-            f"{len(self.cameras)} cameras, bands {', '.join(self.bands)})"
+            f"Scene('{self.name}', {len(self.surfaces)} surfaces, {faces} faces, {obstructions}"
+            f"{len(self.lights)} lights, {len(self.cameras)} cameras, bands {', '.join(self.bands)})"
         )
 
     @classmethod

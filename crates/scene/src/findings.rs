@@ -35,8 +35,8 @@ impl Scene {
         found
     }
 
-    /// Where the surfaces fail to enclose a space: edges of one face only, and edges where more than two meet. They are
-    /// notes, because no more than the author of a scene knows whether it should be closed.
+    /// Where the surfaces fail to enclose a space that they see: edges of one face only, edges where more than two meet,
+    /// surfaces turned outward. Only the author of a scene knows whether it should be closed.
     pub fn enclosure_findings(&self) -> Vec<Finding> {
         let mut found = Vec::new();
         if self.is_indexed() {

@@ -249,6 +249,31 @@ fn cube() -> Surface {
     surface(&[0, 1, 2, 3, 4, 5, 6, 7].map(corner), &faces)
 }
 
+/// The same, looking inward.
+fn room() -> Surface {
+    let mut room = cube();
+    room.faces.iter_mut().for_each(|face| face.reverse());
+    room
+}
+
+#[test]
+fn enclosures_look_inward() {
+    let found = scene(vec![cube()]).enclosure_findings();
+    assert_eq!((found.len(), found[0].severity, found[0].code), (1, Severity::Warning, "looking-outward"));
+
+    // One wall that is a surface by itself and turned.
+    let (mut walls, mut lid) = (room(), room());
+    lid.name = "lid".into();
+    lid.faces = walls.faces.split_off(5);
+    lid.faces[0].reverse();
+    let mut scene = scene(vec![walls, lid]);
+    assert!(scene.findings().iter().all(|found| found.code == "unused-vertices"), "{:?}", scene.findings());
+    let found = scene.enclosure_findings();
+    assert_eq!((found.len(), found[0].code, found[0].element.as_str()), (1, "mixed-winding", "surface 'lid'"));
+    scene.surfaces[1].material.two_sided = true;
+    assert_eq!(scene.enclosure_findings(), vec![]);
+}
+
 #[test]
 fn neighbours_wind_alike() {
     assert_eq!(scene(vec![cube()]).findings(), vec![]);
@@ -266,9 +291,9 @@ fn neighbours_wind_alike() {
 
 #[test]
 fn closed_spaces_have_no_open_edges() {
-    assert_eq!(scene(vec![cube()]).enclosure_findings(), vec![]);
+    assert_eq!(scene(vec![room()]).enclosure_findings(), vec![]);
 
-    let mut open = cube();
+    let mut open = room();
     open.faces.remove(1);
     let mut scene = scene(vec![open]);
     assert_eq!(scene.findings(), vec![]);
@@ -282,12 +307,12 @@ fn closed_spaces_have_no_open_edges() {
 
 #[test]
 fn edges_may_meet_the_middle_of_others() {
-    let mut parts = cube();
+    let mut parts = room();
     parts.faces.remove(1);
     // The lid in two halves, whose corners are in the middle of edges of the walls.
     let lid = [[0., 0., 1.], [0.5, 0., 1.], [1., 0., 1.], [1., 1., 1.], [0.5, 1., 1.], [0., 1., 1.]];
     parts.vertices.extend(lid.map(DVec3::from_array));
-    parts.faces.extend([[8, 9, 12, 13], [9, 10, 11, 12]]);
+    parts.faces.extend([[13, 12, 9, 8], [12, 11, 10, 9]]);
     assert_eq!(scene(vec![parts.clone()]).enclosure_findings(), vec![]);
     parts.faces.pop();
     assert!(scene(vec![parts]).enclosure_findings()[0].message.starts_with("4 edges"));
@@ -295,7 +320,7 @@ fn edges_may_meet_the_middle_of_others() {
 
 #[test]
 fn crowded_edges_are_noted() {
-    let mut walled = cube();
+    let mut walled = room();
     walled.faces.push([0, 1, 7, 6]);
     let found = scene(vec![walled]).enclosure_findings();
     // The other two edges of the wall end in the middle of two sides.
@@ -331,4 +356,21 @@ fn rules_about_neighbours_wait_for_sound_indices() {
     let scene = scene(vec![bad]);
     assert_eq!(only(&scene).code, "index-out-of-range");
     assert_eq!(scene.enclosure_findings(), vec![]);
+}
+
+proptest::proptest! {
+    /// Any faces over the corners of a grid, flat, folded and on top of one another.
+    #[test]
+    fn no_faces_panic(
+        faces in proptest::collection::vec(proptest::array::uniform4(0_u32..18), 0..40),
+        two_sided: bool,
+    ) {
+        let corner = |i: u32| [f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)];
+        let vertices: Vec<_> = (0..18).map(corner).collect();
+        let mut soup = surface(&vertices, &faces);
+        soup.material.two_sided = two_sided;
+        let mut scene = scene(vec![soup.clone(), soup]);
+        scene.hints.enclosure = true;
+        scene.findings();
+    }
 }

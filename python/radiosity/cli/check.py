@@ -34,9 +34,7 @@ def check(
         raise typer.Exit(ExitCode.INPUT)
 
 
-def _examine(
-    file: str, unit: str | None, two_sided: bool | None, enclosure: bool | None
-) -> tuple[str, list[Finding]]:
+def _examine(file: str, unit: str | None, two_sided: bool | None, enclosure: bool | None) -> tuple[str, list[Finding]]:
     """One line about the scene and all findings; what cannot even be read has a single one."""
     import numpy as np
 

@@ -1,6 +1,6 @@
 //! Rules about edges: which way neighbours wind, and whether surfaces enclose a space.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec3;
 
@@ -96,9 +96,10 @@ pub(super) fn mixed_winding(scene: &Scene, found: &mut Vec<Finding>) {
     }
 }
 
-/// Edges where a space leaks, and those where more than two faces meet.
+/// Edges where a space leaks, those where more than two faces meet, and surfaces that look out of the space.
 pub(super) fn enclosure(scene: &Scene, found: &mut Vec<Finding>) {
     let edges = Edges::of(scene);
+    turned_surfaces(scene, &edges, found);
     let single: Vec<_> = edges.each().filter(|uses| uses.len() == 1).map(|uses| edges.ends(&uses[0])).collect();
     let open = leaking(scene, single);
     if let Some(first) = open.first() {
@@ -109,6 +110,9 @@ pub(super) fn enclosure(scene: &Scene, found: &mut Vec<Finding>) {
         );
         found.push(Finding::note("open-edges", "", message));
     }
+    if open.is_empty() {
+        looking_outward(scene, found);
+    }
     let crowded: Vec<_> = edges.each().filter(|uses| uses.len() > 2).map(|uses| edges.ends(&uses[0])).collect();
     if let Some(first) = crowded.first() {
         let message = format!(
@@ -117,6 +121,49 @@ pub(super) fn enclosure(scene: &Scene, found: &mut Vec<Finding>) {
             middle(first)
         );
         found.push(Finding::note("non-manifold-edges", "", message));
+    }
+}
+
+/// Neighbours of two one-sided surfaces that wind differently; those of one surface are found without asking.
+fn turned_surfaces(scene: &Scene, edges: &Edges, found: &mut Vec<Finding>) {
+    let surface = |edge: &EdgeUse| &scene.surfaces[edge.surface as usize];
+    let one_sided = |uses: &[EdgeUse]| uses.iter().all(|edge| !surface(edge).material.two_sided);
+    let mut pairs = BTreeSet::new();
+    for uses in edges.each().filter(|uses| one_sided(uses)) {
+        if let [a, b] = uses
+            && a.surface != b.surface
+            && a.is_upward == b.is_upward
+        {
+            pairs.insert((a.surface, b.surface));
+        }
+    }
+    let Some(&(s, t)) = pairs.first() else { return };
+    let message = format!(
+        "it winds against '{}', so that one shows its front where the other shows its back; {} pairs of surfaces do so, \
+         these first",
+        scene.surfaces[s as usize].name,
+        pairs.len()
+    );
+    found.push(Finding::warning("mixed-winding", named(&scene.surfaces[t as usize]), message));
+}
+
+/// A closed space whose surfaces show it their backs: the volume that they enclose is positive.
+fn looking_outward(scene: &Scene, found: &mut Vec<Finding>) {
+    if scene.surfaces.iter().any(|surface| surface.material.two_sided) {
+        return;
+    }
+    let Some((low, high)) = scene.bounds() else { return };
+    let faces = scene.surfaces.iter().flat_map(|surface| surface.faces.iter().map(|&face| surface.corners(face)));
+    let volume: f64 = faces
+        .map(|corners| {
+            let [a, b, c, d] = corners.map(|corner| corner - 0.5 * (low + high));
+            (a.dot(b.cross(c)) + a.dot(c.cross(d))) / 6.0
+        })
+        .sum();
+    if volume > ROUNDING * (high - low).length().powi(3) {
+        let message = "the surfaces look out of the space that they enclose, so that none sees another; reverse the order \
+                       of corners where the inside is meant";
+        found.push(Finding::warning("looking-outward", "", message));
     }
 }
 
