@@ -25,6 +25,9 @@ class Patches:
         surface, face: (n,) index of the surface and of its face that each patch was cut from.
         area: (n,) m2. centre: (n, 3) m. normal: (n, 3) unit vectors by the right-hand rule.
         two_sided: (n,) whether the back reflects too.
+        obstructions: (k, 4, 3) corners of polygons that only block: opaque, black and without ids.
+
+    Obstructions take part in exchange. Pictures and saved solutions leave them out.
     """
 
     def __init__(self, scene: Scene, native: _native.Patches) -> None:
@@ -41,6 +44,11 @@ class Patches:
     def polygons(self) -> Floats:
         """(n, 4, 3) corners, metres."""
         return self._native.polygons
+
+    @cached_property
+    def obstructions(self) -> Floats:
+        """(k, 4, 3) corners of what only blocks, metres; a triangle repeats its last."""
+        return self._native.obstructions
 
     @cached_property
     def surface(self) -> npt.NDArray[np.uint32]:

@@ -197,6 +197,13 @@ class Scene:
         cameras: viewpoints.
         name: for messages.
         bands: names of the wavelength bands; inferred from the longest spectrum if not given.
+        loading_findings: what the loader noticed.
+        obstructions: surfaces that only block: opaque from both sides, black, cut into no patches. Their materials are
+            ignored, and pictures and saved solutions leave them out.
+        combined: index of a surface -> index of the surface it counts with in tables of factors, which itself counts
+            with none. Files in View3D's format have it.
+        hints: what the file asks of a computation of factors, by name: ``tolerance``, ``enclosure`` and ``emissivity``
+            (1 if wanted), ``row`` and ``column`` (index of the only surface wanted). Nothing obeys it by itself.
     """
 
     surfaces: list[Surface]
@@ -205,11 +212,17 @@ class Scene:
     name: str = "scene"
     bands: list[str] = field(default_factory=list)
     loading_findings: list[Finding] = field(default_factory=list, repr=False)
+    obstructions: list[Surface] = field(default_factory=list)
+    combined: dict[int, int] = field(default_factory=dict)
+    hints: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.surfaces, self.lights, self.cameras = list(self.surfaces), list(self.lights), list(self.cameras)
         for index, surface in enumerate(self.surfaces):
             surface.name = surface.name or f"surface {index}"
+        self.obstructions = list(self.obstructions)
+        for index, obstruction in enumerate(self.obstructions):
+            obstruction.name = obstruction.name or f"obstruction {index}"
         if not self.bands:
             self.bands = _band_names(self._longest_spectrum())
 
@@ -220,21 +233,21 @@ class Scene:
 
     def __repr__(self) -> str:
         faces = sum(len(np.asarray(s.faces)) for s in self.surfaces)
+        obstructions = f"{len(self.obstructions)} obstructions, " if self.obstructions else ""
         return (
-            f"Scene('{self.name}', {len(self.surfaces)} surfaces, {faces} faces, {len(self.lights)} lights, "
-            f"{len(self.cameras)} cameras, bands {', '.join(self.bands)})"
+            f"Scene('{self.name}', {len(self.surfaces)} surfaces, {faces} faces, {obstructions}"
+            f"{len(self.lights)} lights, {len(self.cameras)} cameras, bands {', '.join(self.bands)})"
         )
 
     @classmethod
     def _from_native(cls, native: _native.Scene) -> Scene:
-        surfaces = [
-            Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material)
-            for name, vertices, faces, material, reflectance, emission, two_sided in native.surfaces()
-        ]
+        surfaces = [_surface(fields) for fields in native.surfaces()]
+        obstructions = [_surface(fields) for fields in native.obstructions()]
         lights = [_light(fields) for fields in native.lights()]
         cameras = [Camera._from_tuple(fields) for fields in native.cameras()]
         findings = [Finding(*f) for f in native.loading_findings()]
-        return cls(surfaces, lights, cameras, native.name, native.bands, findings)
+        return cls(surfaces, lights, cameras, native.name, native.bands, findings, obstructions, native.combined(),
+                   native.hints())  # fmt: skip
 
     def _native(self) -> _native.Scene:
         n = len(self.bands)
@@ -244,12 +257,26 @@ class Scene:
              _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided)
             for s in self.surfaces
         ]  # fmt: skip
-        lights = [light._tuple(n) for light in self.lights]
-        return _native.Scene(self.name, list(self.bands), surfaces, lights, [c._tuple() for c in self.cameras])
+        obstructions = [
+            (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
+             [0.0] * n, [0.0] * n, False)
+            for s in self.obstructions
+        ]  # fmt: skip
+        lights, cameras = [light._tuple(n) for light in self.lights], [camera._tuple() for camera in self.cameras]
+        bands, combined = list(self.bands), dict(self.combined)
+        return _native.Scene(self.name, bands, surfaces, lights, cameras, obstructions, combined)
 
-    def findings(self) -> list[Finding]:
-        """Everything worth knowing before lighting the scene, worst first."""
-        found = self.loading_findings + [Finding(*f) for f in self._native().findings()]
+    def findings(self, *, enclosure: bool | None = None) -> list[Finding]:
+        """Everything worth knowing before lighting the scene, worst first.
+
+        Args:
+            enclosure: whether the surfaces should enclose a space, so that open edges are worth a note; as the hints
+                say by default.
+        """
+        native = self._native()
+        found = self.loading_findings + [Finding(*f) for f in native.findings()]
+        if bool(self.hints.get("enclosure")) if enclosure is None else enclosure:
+            found += [Finding(*f) for f in native.enclosure_findings()]
         rank = {"error": 0, "warning": 1, "note": 2}
         return sorted(found, key=lambda f: rank[f.severity])
 
@@ -265,6 +292,8 @@ class Scene:
             count: about how many patches.
             as_is: one patch per face, in the order of surfaces and faces; quads stay quads.
 
+        Obstructions are not cut: each of their faces is one of ``patches.obstructions``.
+
         Raises:
             SceneError: a face cannot be cut (not planar, not convex, an index out of range ...).
         """
@@ -273,6 +302,11 @@ class Scene:
         native = self._native()
         native.validate_geometry()
         return Patches(self, native.patches(max_edge=max_edge, count=count, as_is=as_is))
+
+
+def _surface(fields: _native._SurfaceOut) -> Surface:
+    name, vertices, faces, material, reflectance, emission, two_sided = fields
+    return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material)
 
 
 def _trim(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]:
@@ -297,7 +331,7 @@ def _band_names(n: int) -> list[str]:
 
 
 def load(path: str | os.PathLike[str], *, unit: str = "m", two_sided: bool | None = None) -> Scene:
-    """Read a scene from a ``.glb``, ``.gltf`` or ``.obj`` file.
+    """Read a scene from a ``.glb``, ``.gltf``, ``.obj``, ``.stl``, ``.ply`` or ``.vs3`` file.
 
     Args:
         path: the file.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use numpy::ndarray::{Array1, Array2, Array3};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -46,6 +46,20 @@ pub fn points_in(array: &PyReadonlyArray2<'_, f64>, what: &str) -> PyResult<Vec<
         return Err(PyValueError::new_err(format!("{what} must have shape (n, 3), not {:?}", view.shape())));
     }
     Ok(view.rows().into_iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect())
+}
+
+/// Polygons from an (n, 4, 3) array of finite numbers.
+pub fn polygons_in(array: &PyReadonlyArray3<'_, f64>, what: &str) -> PyResult<Vec<[DVec3; 4]>> {
+    let view = array.as_array();
+    if view.shape()[1..] != [4, 3] {
+        return Err(PyValueError::new_err(format!("{what} must have shape (n, 4, 3), not {:?}", view.shape())));
+    }
+    let corner = |i: usize, k: usize| DVec3::new(view[[i, k, 0]], view[[i, k, 1]], view[[i, k, 2]]);
+    let polygons: Vec<_> = (0..view.shape()[0]).map(|i| [0, 1, 2, 3].map(|k| corner(i, k))).collect();
+    match polygons.iter().position(|polygon| polygon.iter().any(|corner| !corner.is_finite())) {
+        Some(i) => Err(PyValueError::new_err(format!("{what}: polygon {i} has a corner that is not finite"))),
+        None => Ok(polygons),
+    }
 }
 
 /// A row-major copy of an (n, columns) array, with its shape checked.

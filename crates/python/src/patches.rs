@@ -14,31 +14,30 @@ pub struct Patches {
 
 #[pymethods]
 impl Patches {
-    /// Polygons (n, 4, 3) with the surface, face and two-sidedness of each; a triangle repeats its last corner.
+    /// Polygons (n, 4, 3) with the surface, face and two-sidedness of each, and (k, 4, 3) polygons that only block; a
+    /// triangle repeats its last corner.
     #[new]
+    #[pyo3(signature = (polygons, surface, face, two_sided, obstructions=None))]
     fn new(
         polygons: PyReadonlyArray3<'_, f64>,
         surface: PyReadonlyArray1<'_, u32>,
         face: PyReadonlyArray1<'_, u32>,
         two_sided: PyReadonlyArray1<'_, bool>,
+        obstructions: Option<PyReadonlyArray3<'_, f64>>,
     ) -> PyResult<Self> {
-        let view = polygons.as_array();
-        let n = view.shape()[0];
-        let corner = |i: usize, k: usize| glam::DVec3::new(view[[i, k, 0]], view[[i, k, 1]], view[[i, k, 2]]);
-        if view.shape()[1..] != [4, 3] || [surface.len()?, face.len()?, two_sided.len()?] != [n; 3] {
-            return Err(PyValueError::new_err("polygons must have shape (n, 4, 3), and the other arrays length n"));
+        let polygons = convert::polygons_in(&polygons, "polygons")?;
+        let n = polygons.len();
+        if [surface.len()?, face.len()?, two_sided.len()?] != [n; 3] {
+            return Err(PyValueError::new_err("surface, face and two_sided must have one entry per polygon"));
         }
-        if let Some(i) = (0..n).find(|&i| (0..4).any(|k| !corner(i, k).is_finite())) {
-            return Err(PyValueError::new_err(format!("patch {i} has a corner that is not finite")));
-        }
-        let polygons = (0..n).map(|i| [0, 1, 2, 3].map(|k| corner(i, k))).collect();
+        let obstructions = obstructions.map_or(Ok(Vec::new()), |array| convert::polygons_in(&array, "obstructions"))?;
         let inner = radiosity_geometry::Patches::new(
             polygons,
             surface.as_array().to_vec(),
             face.as_array().to_vec(),
             two_sided.as_array().to_vec(),
         );
-        Ok(Self { inner: Arc::new(inner) })
+        Ok(Self { inner: Arc::new(inner.with_obstructions(obstructions)) })
     }
 
     fn __len__(&self) -> usize {
@@ -48,6 +47,11 @@ impl Patches {
     #[getter]
     fn polygons<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
         convert::polygons_out(py, &self.inner.polygons)
+    }
+
+    #[getter]
+    fn obstructions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
+        convert::polygons_out(py, &self.inner.obstructions)
     }
 
     #[getter]

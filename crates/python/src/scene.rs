@@ -6,6 +6,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use radiosity_scene::meshing::{self, Meshing};
 use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Unit, builtin as builtins};
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -27,17 +28,27 @@ pub type CameraTuple = (String, [f64; 3], [f64; 3], [f64; 3], f64, Option<f64>);
 #[pymethods]
 impl Scene {
     #[new]
+    #[pyo3(signature = (name, bands, surfaces, lights, cameras, obstructions=Vec::new(), combined=BTreeMap::new()))]
     fn new(
         name: String,
         bands: Vec<String>,
         surfaces: Vec<SurfaceIn<'_>>,
         lights: Vec<LightTuple>,
         cameras: Vec<CameraTuple>,
+        obstructions: Vec<SurfaceIn<'_>>,
+        combined: BTreeMap<usize, usize>,
     ) -> PyResult<Self> {
-        let surfaces = surfaces.into_iter().map(surface_in).collect::<PyResult<_>>()?;
-        let lights = lights.into_iter().map(light_in).collect::<PyResult<_>>()?;
-        let cameras = cameras.into_iter().map(camera_in).collect();
-        Ok(Self { inner: radiosity_scene::Scene { name, bands, surfaces, lights, cameras, findings: Vec::new() } })
+        let inner = radiosity_scene::Scene {
+            name,
+            bands,
+            surfaces: surfaces.into_iter().map(surface_in).collect::<PyResult<_>>()?,
+            obstructions: obstructions.into_iter().map(surface_in).collect::<PyResult<_>>()?,
+            combined,
+            lights: lights.into_iter().map(light_in).collect::<PyResult<_>>()?,
+            cameras: cameras.into_iter().map(camera_in).collect(),
+            ..Default::default()
+        };
+        Ok(Self { inner })
     }
 
     #[getter]
@@ -52,6 +63,30 @@ impl Scene {
 
     fn surfaces<'py>(&self, py: Python<'py>) -> Vec<SurfaceOut<'py>> {
         self.inner.surfaces.iter().map(|s| surface_out(py, s)).collect()
+    }
+
+    fn obstructions<'py>(&self, py: Python<'py>) -> Vec<SurfaceOut<'py>> {
+        self.inner.obstructions.iter().map(|s| surface_out(py, s)).collect()
+    }
+
+    /// Index of a surface -> index of the surface it counts with.
+    fn combined(&self) -> BTreeMap<usize, usize> {
+        self.inner.combined.clone()
+    }
+
+    /// What the file asks of a computation of factors, by name; what it does not ask is left out.
+    fn hints(&self) -> HashMap<&'static str, f64> {
+        let hints = &self.inner.hints;
+        let flag = |is_set: bool| is_set.then_some(1.0);
+        let index = |surface: Option<usize>| surface.map(|index| index as f64);
+        let named = [
+            ("tolerance", hints.tolerance),
+            ("enclosure", flag(hints.enclosure)),
+            ("emissivity", flag(hints.emissivity)),
+            ("row", index(hints.row)),
+            ("column", index(hints.column)),
+        ];
+        named.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
     }
 
     fn lights(&self) -> Vec<LightTuple> {
@@ -70,6 +105,11 @@ impl Scene {
     /// Everything worth knowing before lighting it.
     fn findings(&self) -> Vec<(&'static str, &'static str, String, String)> {
         findings_out(&self.inner.findings())
+    }
+
+    /// Where the surfaces fail to enclose a space.
+    fn enclosure_findings(&self) -> Vec<(&'static str, &'static str, String, String)> {
+        findings_out(&self.inner.enclosure_findings())
     }
 
     /// Raises `SceneError` if the scene cannot be lit.

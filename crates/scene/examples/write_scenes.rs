@@ -1,7 +1,8 @@
 //! Writes the sample scenes in `scenes/`: `cargo run -p radiosity-scene --example write_scenes -- scenes`.
 //!
 //! One small study with a window, a desk, two chairs of one mesh, a lamp and a camera, in three forms:
-//! `study.glb`, `study.gltf` with `study.bin`, and `study.obj` with `study.mtl`.
+//! `study.glb`, `study.gltf` with `study.bin`, and `study.obj` with `study.mtl`. And one enclosure in two forms:
+//! `corner.stl` and `corner.ply`. `room.vs3` is written by hand.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -23,6 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (obj, mtl) = wavefront(&study);
     fs::write(folder.join("study.obj"), obj)?;
     fs::write(folder.join("study.mtl"), mtl)?;
+    fs::write(folder.join("corner.stl"), stereolithography())?;
+    fs::write(folder.join("corner.ply"), polygon_file())?;
     Ok(())
 }
 
@@ -298,4 +301,54 @@ fn wavefront(objects: &[Object]) -> (String, String) {
 fn placed([x, y, z]: [f32; 3], position: [f32; 3], turn: f32) -> [f32; 3] {
     let (sin, cos) = turn.sin_cos();
     [cos * x + sin * z + position[0], y + position[1], cos * z - sin * x + position[2]]
+}
+
+/// A duct around a corner, closed at its ends: its outline (x, z), seen from below counter-clockwise, 1 m high.
+const CORNER: [[f32; 2]; 6] = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
+
+/// Its corners, the lower ones first, and its faces as indices, looking inward.
+fn corner() -> (Vec<[f32; 3]>, Vec<Vec<usize>>) {
+    let n = CORNER.len();
+    let points = [0.0, 1.0].iter().flat_map(|&y| CORNER.map(|[x, z]| [x, y, z])).collect();
+    let walls = (0..n).map(|i| vec![i, (i + 1) % n, (i + 1) % n + n, i + n]);
+    let (floor, ceiling) = ((0..n).rev().collect(), (n..2 * n).collect());
+    (points, walls.chain([floor, ceiling]).collect())
+}
+
+/// The enclosure as STL, which knows triangles only.
+fn stereolithography() -> String {
+    let (points, faces) = corner();
+    let mut stl = String::from("solid corner\n");
+    for face in faces {
+        // All of the outline can be seen from its inner corner.
+        let start = face.iter().position(|&point| point % CORNER.len() == 3 && face.len() > 4).unwrap_or(0);
+        for i in 1..face.len() - 1 {
+            let triangle = [0, i, i + 1].map(|k| points[face[(start + k) % face.len()]]);
+            let _ = writeln!(stl, "facet normal 0 0 0\n outer loop");
+            for [x, y, z] in triangle {
+                let _ = writeln!(stl, "  vertex {x} {y} {z}");
+            }
+            stl.push_str(" endloop\nendfacet\n");
+        }
+    }
+    stl + "endsolid corner\n"
+}
+
+/// The enclosure as binary PLY, whose floor and ceiling are hexagons.
+fn polygon_file() -> Vec<u8> {
+    let (points, faces) = corner();
+    let mut ply = format!(
+        "ply\nformat binary_little_endian 1.0\ncomment A duct around a corner, metres, y up. CC0 1.0.\n\
+         element vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        points.len(),
+        faces.len()
+    )
+    .into_bytes();
+    ply.extend(points.iter().flatten().flat_map(|x| x.to_le_bytes()));
+    for face in faces {
+        ply.push(face.len() as u8);
+        ply.extend(face.iter().flat_map(|&point| (point as i32).to_le_bytes()));
+    }
+    ply
 }

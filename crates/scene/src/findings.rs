@@ -3,10 +3,14 @@
 //! Each rule appends findings and knows nothing of the others. Rules about one surface report once per surface with
 //! a count, so that a broken file does not answer with a million sentences.
 
-use std::collections::{BTreeMap, HashMap};
+mod edges;
+mod overlaps;
+
+use std::collections::HashMap;
 
 use glam::DVec3;
 
+use self::overlaps::{corner_key, duplicate_faces};
 use crate::model::{Camera, Finding, Light, Scene, SceneError, Severity, Surface};
 use crate::quad::{self, Shape};
 
@@ -17,8 +21,40 @@ const HIGH_REFLECTANCE: f64 = 0.95;
 const PLAUSIBLE_SIZE: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
 impl Scene {
-    /// All that the loader noticed, followed by all that the rules find.
+    /// All that the loader noticed, followed by all that the rules find. Whether the surfaces enclose a space is asked
+    /// only where the scene says that they should, in [`Scene::hints`].
     pub fn findings(&self) -> Vec<Finding> {
+        let mut found = self.essential_findings();
+        if self.is_indexed() {
+            edges::mixed_winding(self, &mut found);
+            overlaps::overlapping_faces(self, &mut found);
+        }
+        if self.hints.enclosure {
+            found.extend(self.enclosure_findings());
+        }
+        found
+    }
+
+    /// Where the surfaces fail to enclose a space that they see: edges of one face only, edges where more than two meet,
+    /// surfaces turned outward. Only the author of a scene knows whether it should be closed.
+    pub fn enclosure_findings(&self) -> Vec<Finding> {
+        let mut found = Vec::new();
+        if self.is_indexed() {
+            edges::enclosure(self, &mut found);
+        }
+        found
+    }
+
+    /// Whether all corners of all surfaces are points.
+    fn is_indexed(&self) -> bool {
+        let mut ignored = Vec::new();
+        let mut is_indexed =
+            |s: &Surface| vertices_are_finite(s, "", &mut ignored) && indices_in_range(s, "", &mut ignored);
+        self.surfaces.iter().all(&mut is_indexed)
+    }
+
+    /// All findings that may be errors, and those that come with them.
+    fn essential_findings(&self) -> Vec<Finding> {
         let mut found = self.findings.clone();
         found.extend(geometry_findings(self));
         found.extend(optics_findings(self));
@@ -31,7 +67,7 @@ impl Scene {
     /// # Errors
     /// The first finding of severity [`Severity::Error`], a missing light included.
     pub fn validate(&self) -> Result<(), SceneError> {
-        self.refuse(self.findings())
+        self.refuse(self.essential_findings())
     }
 
     /// Whether the shapes are sound, whatever the materials and lights: all that form factors need.
@@ -57,21 +93,30 @@ fn geometry_findings(scene: &Scene) -> Vec<Finding> {
         found.push(Finding::error("no-faces", "", message));
     }
     let mut sound = true;
-    for surface in &scene.surfaces {
-        empty_surface(surface, &mut found);
-        let indexed = vertices_are_finite(surface, &mut found) & indices_in_range(surface, &mut found);
-        sound &= indexed;
-        if indexed {
-            face_shapes(surface, &mut found);
-            unused_vertices(surface, &mut found);
-        }
+    for (surface, name) in scene.surfaces.iter().map(|surface| (surface, named(surface))) {
+        empty_surface(surface, &name, &mut found);
+        sound &= shape_findings(surface, &name, &mut found);
+    }
+    for obstruction in &scene.obstructions {
+        sound &= shape_findings(obstruction, &format!("obstruction '{}'", obstruction.name), &mut found);
     }
     repeated_names(scene, &mut found);
+    combinations(scene, &mut found);
     if sound {
         duplicate_faces(scene, &mut found);
         plausible_size(scene, &mut found);
     }
     found
+}
+
+/// The rules about one surface by itself, called `name` in messages; whether others can look at its corners.
+fn shape_findings(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
+    let indexed = vertices_are_finite(surface, name, found) & indices_in_range(surface, name, found);
+    if indexed {
+        face_shapes(surface, name, found);
+        unused_vertices(surface, name, found);
+    }
+    indexed
 }
 
 fn optics_findings(scene: &Scene) -> Vec<Finding> {
@@ -107,33 +152,33 @@ fn named(surface: &Surface) -> String {
     format!("surface '{}'", surface.name)
 }
 
-fn empty_surface(surface: &Surface, found: &mut Vec<Finding>) {
+fn empty_surface(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
     if surface.faces.is_empty() {
         let message = "has no faces and takes no part; remove it";
-        found.push(Finding::warning("empty-surface", named(surface), message));
+        found.push(Finding::warning("empty-surface", name, message));
     }
 }
 
-fn vertices_are_finite(surface: &Surface, found: &mut Vec<Finding>) -> bool {
+fn vertices_are_finite(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
     let Some(bad) = surface.vertices.iter().position(|vertex| !vertex.is_finite()) else {
         return true;
     };
     let v = surface.vertices[bad];
     found.push(Finding::error(
         "non-finite-vertex",
-        format!("{}, vertex {bad}", named(surface)),
+        format!("{name}, vertex {bad}"),
         format!("its position ({}, {}, {}) is not finite; repair the mesh", v.x, v.y, v.z),
     ));
     false
 }
 
-fn indices_in_range(surface: &Surface, found: &mut Vec<Finding>) -> bool {
+fn indices_in_range(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
     let count = surface.vertices.len();
     let out_of_range = |face: &[u32; 4]| face.iter().any(|&vertex| vertex as usize >= count);
     let Some(bad) = surface.faces.iter().position(out_of_range) else { return true };
     found.push(Finding::error(
         "index-out-of-range",
-        format!("{}, face {bad}", named(surface)),
+        format!("{name}, face {bad}"),
         format!("it refers to vertices {:?} of {count}; indices count from 0", surface.faces[bad]),
     ));
     false
@@ -160,7 +205,7 @@ impl Tally {
     }
 }
 
-fn face_shapes(surface: &Surface, found: &mut Vec<Finding>) {
+fn face_shapes(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
     let [mut flat, mut bent, mut folded] = [const { Tally { first: None, count: 0 } }; 3];
     for (i, &face) in surface.faces.iter().enumerate() {
         match quad::classify(surface.corners(face)) {
@@ -173,14 +218,14 @@ fn face_shapes(surface: &Surface, found: &mut Vec<Finding>) {
     if let Some((i, off)) = bent.first {
         found.push(Finding::error(
             "non-planar-face",
-            format!("{}, face {i}{}", named(surface), bent.and_more()),
+            format!("{name}, face {i}{}", bent.and_more()),
             format!("the corners of the quad lie {off:.3e} m off their plane; split it in triangles"),
         ));
     }
     if let Some((i, _)) = folded.first {
         found.push(Finding::error(
             "non-convex-face",
-            format!("{}, face {i}{}", named(surface), folded.and_more()),
+            format!("{name}, face {i}{}", folded.and_more()),
             "the quad has an inward corner or crosses itself; order its corners around its edge or split it in triangles",
         ));
     }
@@ -188,13 +233,13 @@ fn face_shapes(surface: &Surface, found: &mut Vec<Finding>) {
         let count = flat.count;
         found.push(Finding::warning(
             "zero-area-faces",
-            named(surface),
+            name,
             format!("{count} of {} faces have no area, face {i} first; they are left out", surface.faces.len()),
         ));
     }
 }
 
-fn unused_vertices(surface: &Surface, found: &mut Vec<Finding>) {
+fn unused_vertices(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
     let mut used = vec![false; surface.vertices.len()];
     for &vertex in surface.faces.iter().flatten() {
         used[vertex as usize] = true;
@@ -202,7 +247,7 @@ fn unused_vertices(surface: &Surface, found: &mut Vec<Finding>) {
     let unused = used.iter().filter(|&&used| !used).count();
     if unused > 0 && !surface.faces.is_empty() {
         let message = format!("{unused} of {} vertices belong to no face", used.len());
-        found.push(Finding::note("unused-vertices", named(surface), message));
+        found.push(Finding::note("unused-vertices", name, message));
     }
 }
 
@@ -219,38 +264,19 @@ fn repeated_names(scene: &Scene, found: &mut Vec<Finding>) {
     }
 }
 
-/// Faces with the same corners in any order, counted per pair of surfaces.
-fn duplicate_faces(scene: &Scene, found: &mut Vec<Finding>) {
-    let mut first_with = HashMap::new();
-    let mut pairs: BTreeMap<(usize, usize), Tally> = BTreeMap::new();
-    for (s, surface) in scene.surfaces.iter().enumerate() {
-        for (f, &face) in surface.faces.iter().enumerate() {
-            let other = *first_with.entry(corner_key(surface.corners(face))).or_insert((s, f));
-            if other != (s, f) {
-                pairs.entry((other.0, s)).or_default().add(f, 0.0);
-            }
-        }
+/// Surfaces count with one that exists and counts by itself.
+fn combinations(scene: &Scene, found: &mut Vec<Finding>) {
+    let count = scene.surfaces.len();
+    for (&part, &whole) in &scene.combined {
+        let message = if part >= count || whole >= count {
+            format!("surface {part} counts with surface {whole}, of {count}; indices count from 0")
+        } else if part == whole || scene.combined.contains_key(&whole) {
+            format!("surface {part} counts with surface {whole}, which counts with another; name the last one")
+        } else {
+            continue;
+        };
+        found.push(Finding::error("combined-surfaces", "", message));
     }
-    for ((s, t), tally) in pairs {
-        let (other, face) = (&scene.surfaces[s].name, tally.first.map_or(0, |first| first.0));
-        found.push(Finding::warning(
-            "duplicate-faces",
-            format!("surface '{}', face {face}{}", scene.surfaces[t].name, tally.and_more()),
-            format!("it coincides with a face of '{other}'; remove one, or light will leak or be lost between them"),
-        ));
-    }
-}
-
-/// The corner positions in a fixed order; the repeated corner of a triangle counts once.
-fn corner_key(corners: [DVec3; 4]) -> [[u64; 3]; 4] {
-    // Adding zero turns -0.0 into 0.0, which is the same place.
-    let mut key = corners.map(|corner| corner.to_array().map(|x| (x + 0.0).to_bits()));
-    key.sort_unstable();
-    if let Some(repeat) = (1..4).find(|&i| key[i] == key[i - 1]) {
-        key[repeat..].rotate_left(1);
-        key[3] = [u64::MAX; 3];
-    }
-    key
 }
 
 fn plausible_size(scene: &Scene, found: &mut Vec<Finding>) {

@@ -166,12 +166,13 @@ fn spot_cone_and_direction_are_checked() {
 
 #[test]
 fn coincident_faces_are_found_in_any_orientation() {
-    let mut back = square();
-    back.name = "back".into();
-    back.faces = vec![[1, 0, 3, 2]];
-    let found = only(&scene(vec![square(), back]));
-    assert_eq!((found.severity, found.code), (Severity::Warning, "duplicate-faces"));
-    assert!(found.element.contains("'back'") && found.message.contains("'square'"));
+    for (face, code) in [([2, 3, 0, 1], "duplicate-faces"), ([1, 0, 3, 2], "coincident-opposite")] {
+        let mut twin = square();
+        (twin.name, twin.faces) = ("twin".into(), vec![face]);
+        let found = only(&scene(vec![square(), twin]));
+        assert_eq!((found.severity, found.code), (Severity::Warning, code));
+        assert!(found.element.contains("'twin'") && found.message.contains("'square'"));
+    }
 }
 
 #[test]
@@ -207,4 +208,169 @@ fn unused_vertices_and_repeated_names_are_noticed() {
 fn findings_print_as_one_line() {
     let found = Finding::warning("dark-light", "light 'a'", "its intensity is zero");
     assert_eq!(found.to_string(), "warning [dark-light]: light 'a': its intensity is zero");
+}
+
+#[test]
+fn obstructions_are_checked_by_their_shapes_and_nothing_else() {
+    let mut sheet = square();
+    (sheet.name, sheet.material) = ("screen".into(), Material::default());
+    sheet.vertices.iter_mut().for_each(|vertex| vertex.z += 1.0);
+    let mut scene = scene(vec![square()]);
+    scene.obstructions.push(sheet);
+    assert_eq!(scene.findings(), vec![]);
+
+    scene.obstructions[0].vertices[2].z += 0.4;
+    let found = only(&scene);
+    assert_eq!((found.code, found.element.as_str()), ("non-planar-face", "obstruction 'screen', face 0"));
+    scene.obstructions[0].faces[0][1] = 9;
+    assert_eq!(only(&scene).code, "index-out-of-range");
+    scene.obstructions[0].vertices[0].x = f64::NAN;
+    assert!(scene.validate_geometry().unwrap_err().to_string().contains("obstruction 'screen', vertex 0"));
+}
+
+#[test]
+fn combined_surfaces_exist_and_do_not_chain() {
+    let mut above = square();
+    above.name = "above".into();
+    above.vertices.iter_mut().for_each(|vertex| vertex.z += 1.0);
+    let mut scene = scene(vec![square(), above]);
+    for (pairs, sound) in [(vec![(1, 0)], true), (vec![(1, 1)], false), (vec![(2, 0)], false), (vec![(0, 2)], false)] {
+        scene.combined = pairs.into_iter().collect();
+        assert_eq!(scene.findings().is_empty(), sound, "{:?}", scene.combined);
+    }
+    scene.combined = [(0, 1), (1, 0)].into_iter().collect();
+    assert!(scene.findings().iter().all(|found| found.code == "combined-surfaces"));
+}
+
+/// The faces of a unit cube, looking outward.
+fn cube() -> Surface {
+    let corner = |i: u32| [0, 1, 2].map(|axis| f64::from(i >> axis & 1));
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    surface(&[0, 1, 2, 3, 4, 5, 6, 7].map(corner), &faces)
+}
+
+/// The same, looking inward.
+fn room() -> Surface {
+    let mut room = cube();
+    room.faces.iter_mut().for_each(|face| face.reverse());
+    room
+}
+
+#[test]
+fn enclosures_look_inward() {
+    let found = scene(vec![cube()]).enclosure_findings();
+    assert_eq!((found.len(), found[0].severity, found[0].code), (1, Severity::Warning, "looking-outward"));
+
+    // One wall that is a surface by itself and turned.
+    let (mut walls, mut lid) = (room(), room());
+    lid.name = "lid".into();
+    lid.faces = walls.faces.split_off(5);
+    lid.faces[0].reverse();
+    let mut scene = scene(vec![walls, lid]);
+    assert!(scene.findings().iter().all(|found| found.code == "unused-vertices"), "{:?}", scene.findings());
+    let found = scene.enclosure_findings();
+    assert_eq!((found.len(), found[0].code, found[0].element.as_str()), (1, "mixed-winding", "surface 'lid'"));
+    scene.surfaces[1].material.two_sided = true;
+    assert_eq!(scene.enclosure_findings(), vec![]);
+}
+
+#[test]
+fn neighbours_wind_alike() {
+    assert_eq!(scene(vec![cube()]).findings(), vec![]);
+    let mut mixed = cube();
+    mixed.faces[1].reverse();
+    let found = only(&scene(vec![mixed.clone()]));
+    assert_eq!((found.severity, found.code), (Severity::Warning, "mixed-winding"));
+    // Each of the four edges of the turned face, which comes before three of its neighbours.
+    assert_eq!(found.element, "surface 'square', face 2 (and 3 more)");
+
+    // Whoever sees both sides of a face need not care.
+    mixed.material.two_sided = true;
+    assert_eq!(scene(vec![mixed]).findings(), vec![]);
+}
+
+#[test]
+fn closed_spaces_have_no_open_edges() {
+    assert_eq!(scene(vec![room()]).enclosure_findings(), vec![]);
+
+    let mut open = room();
+    open.faces.remove(1);
+    let mut scene = scene(vec![open]);
+    assert_eq!(scene.findings(), vec![]);
+    let found = scene.enclosure_findings();
+    assert_eq!((found.len(), found[0].severity, found[0].code), (1, Severity::Note, "open-edges"));
+    assert!(found[0].message.starts_with("4 edges belong to one face only, first the one at ("), "{}", found[0]);
+    assert!(found[0].message.contains("1.0000);"), "the lid is at z = 1: {}", found[0]);
+    scene.hints.enclosure = true;
+    assert_eq!(only(&scene).code, "open-edges");
+}
+
+#[test]
+fn edges_may_meet_the_middle_of_others() {
+    let mut parts = room();
+    parts.faces.remove(1);
+    // The lid in two halves, whose corners are in the middle of edges of the walls.
+    let lid = [[0., 0., 1.], [0.5, 0., 1.], [1., 0., 1.], [1., 1., 1.], [0.5, 1., 1.], [0., 1., 1.]];
+    parts.vertices.extend(lid.map(DVec3::from_array));
+    parts.faces.extend([[13, 12, 9, 8], [12, 11, 10, 9]]);
+    assert_eq!(scene(vec![parts.clone()]).enclosure_findings(), vec![]);
+    parts.faces.pop();
+    assert!(scene(vec![parts]).enclosure_findings()[0].message.starts_with("4 edges"));
+}
+
+#[test]
+fn crowded_edges_are_noted() {
+    let mut walled = room();
+    walled.faces.push([0, 1, 7, 6]);
+    let found = scene(vec![walled]).enclosure_findings();
+    // The other two edges of the wall end in the middle of two sides.
+    assert_eq!([found[0].code, found[1].code], ["open-edges", "non-manifold-edges"]);
+    assert!(found[1].message.starts_with("more than two faces meet at 2 edges"), "{}", found[1]);
+}
+
+#[test]
+fn overlaps_in_one_plane_are_found() {
+    let placed = |x: f64, y: f64, z: f64, faces: &[Face]| {
+        let mut other = square();
+        other.name = "other".into();
+        other.vertices.iter_mut().for_each(|vertex| *vertex += DVec3::new(x, y, z));
+        other.faces = faces.to_vec();
+        scene(vec![square(), other])
+    };
+    let found = only(&placed(0.5, 0.25, 0.0, &[[0, 1, 2, 3]]));
+    assert_eq!((found.severity, found.code), (Severity::Warning, "overlapping-faces"));
+    assert_eq!(found.element, "surface 'other', face 0");
+    assert!(found.message.contains("'square'"));
+    // Neighbours, faces above one another, and what stands on a floor.
+    for (x, z, face) in [(1.0, 0.0, [0, 1, 2, 3]), (0.5, 1e-3, [0, 1, 2, 3]), (0.5, 0.0, [3, 2, 1, 0])] {
+        assert_eq!(placed(x, 0.0, z, &[face]).findings(), vec![]);
+    }
+    let codes = placed(0.0, 0.0, 0.0, &[[0, 1, 2, 2]]).findings().into_iter().map(|found| found.code);
+    assert_eq!(codes.collect::<Vec<_>>(), ["unused-vertices", "overlapping-faces"]);
+}
+
+#[test]
+fn rules_about_neighbours_wait_for_sound_indices() {
+    let mut bad = cube();
+    bad.faces[3][2] = 99;
+    let scene = scene(vec![bad]);
+    assert_eq!(only(&scene).code, "index-out-of-range");
+    assert_eq!(scene.enclosure_findings(), vec![]);
+}
+
+proptest::proptest! {
+    /// Any faces over the corners of a grid, flat, folded and on top of one another.
+    #[test]
+    fn no_faces_panic(
+        faces in proptest::collection::vec(proptest::array::uniform4(0_u32..18), 0..40),
+        two_sided: bool,
+    ) {
+        let corner = |i: u32| [f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)];
+        let vertices: Vec<_> = (0..18).map(corner).collect();
+        let mut soup = surface(&vertices, &faces);
+        soup.material.two_sided = two_sided;
+        let mut scene = scene(vec![soup.clone(), soup]);
+        scene.hints.enclosure = true;
+        scene.findings();
+    }
 }

@@ -40,6 +40,8 @@ pub enum Meshing {
 /// of `nu` by `nv` has index `j * nu + i` within the face; `i` counts from corner 0 towards corner 1, `j` towards
 /// corner 3.
 ///
+/// Obstructions are not cut: each of their faces becomes one of [`Patches::obstructions`].
+///
 /// # Errors
 /// If a face or a vertex is unusable, the fineness makes no sense, or there would be more than [`MOST_PATCHES`].
 pub fn patches(scene: &Scene, meshing: &Meshing) -> Result<Patches, SceneError> {
@@ -204,6 +206,7 @@ impl Builder {
         let is_two_sided = |&s: &u32| scene.surfaces[s as usize].material.two_sided;
         let two_sided = self.surface.iter().map(is_two_sided).collect();
         Patches::new(self.collector.polygons, self.surface, self.face, two_sided)
+            .with_obstructions(faces::obstructions(scene))
     }
 }
 
@@ -218,11 +221,13 @@ fn check_size(scene: &Scene, n_patches: f64) -> Result<(), SceneError> {
 
 /// Refuses faces that name missing vertices and vertices that are no points.
 fn check_faces(scene: &Scene) -> Result<(), SceneError> {
-    for surface in &scene.surfaces {
+    let surfaces = scene.surfaces.iter().map(|surface| ("surface", surface));
+    let obstructions = scene.obstructions.iter().map(|surface| ("obstruction", surface));
+    for (kind, surface) in surfaces.chain(obstructions) {
         let fault = |element: String, message: String| {
             Err(SceneError {
                 file: scene.name.clone(),
-                element: format!("surface '{}', {element}", surface.name),
+                element: format!("{kind} '{}', {element}", surface.name),
                 message,
             })
         };

@@ -1,5 +1,7 @@
 //! The scene model: plain data, validated by [`Scene::findings`].
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 /// A face as four vertex indices; a triangle repeats its last index.
@@ -14,12 +16,34 @@ pub struct Scene {
     pub bands: Vec<String>,
     /// What reflects and emits.
     pub surfaces: Vec<Surface>,
+    /// What only blocks: opaque from both sides, black, cut into no patches. Materials are ignored.
+    pub obstructions: Vec<Surface>,
+    /// Surfaces that count with another in tables of factors: index of the surface -> index of the one it counts with,
+    /// which itself counts with none.
+    pub combined: BTreeMap<usize, usize>,
+    /// What the file asks of a computation of factors.
+    pub hints: Hints,
     /// Lights without area.
     pub lights: Vec<Light>,
     /// Viewpoints the file carries.
     pub cameras: Vec<Camera>,
     /// What the loader noticed and approximated (metals read as diffuse, and the like).
     pub findings: Vec<Finding>,
+}
+
+/// What a file asks of a computation of factors. The engine obeys none of it by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hints {
+    /// The accuracy its author wanted, such as the criterion of convergence of another program.
+    pub tolerance: Option<f64>,
+    /// Whether the surfaces are meant to enclose a space, so that every row of factors sums to one.
+    pub enclosure: bool,
+    /// Whether factors of total interchange are wanted, which include reflections.
+    pub emissivity: bool,
+    /// The only surface from which factors are wanted.
+    pub row: Option<usize>,
+    /// The only surface to which factors are wanted.
+    pub column: Option<usize>,
 }
 
 /// Polygons that share one material; keeps the name that its file gave it.

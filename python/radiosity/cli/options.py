@@ -18,7 +18,10 @@ Triple = tuple[float, float, float]
 
 SceneFile = Annotated[
     str,
-    typer.Argument(metavar="FILE", help="A .glb, .gltf or .obj file, or builtin:NAME (see radiosity scenes)."),
+    typer.Argument(
+        metavar="FILE",
+        help="A .glb, .gltf, .obj, .stl, .ply or .vs3 file, or builtin:NAME (see radiosity scenes).",
+    ),
 ]
 
 # How the scene is read.
@@ -26,6 +29,15 @@ Unit = Annotated[str | None, typer.Option(help="What the number 1 in the file me
 TwoSided = Annotated[
     bool | None,
     typer.Option("--two-sided/--one-sided", help="Which sides reflect, whatever the file says.", show_default=False),
+]
+
+Enclosure = Annotated[
+    bool | None,
+    typer.Option(
+        "--enclosure/--no-enclosure",
+        help="Whether the surfaces should enclose a space; as the file says by default.",
+        show_default=False,
+    ),
 ]
 
 # How it is cut into patches.

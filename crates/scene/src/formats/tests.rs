@@ -37,7 +37,7 @@ fn refusal(path: &Path) -> String {
 #[test]
 fn each_unusable_file_has_its_own_sentence() {
     let scratch = Scratch::new("refusals");
-    let cases: [(&str, &[u8], &str); 11] = [
+    let cases: [(&str, &[u8], &str); 15] = [
         ("empty.glb", b"", "the file is empty"),
         ("text.glb", b"hello", "holds text, not glTF"),
         ("page.glb", b"<!DOCTYPE html>", "a web page"),
@@ -48,7 +48,11 @@ fn each_unusable_file_has_its_own_sentence() {
         ("none.gltf", b"{\"asset\": {\"version\": \"2.0\"}}", "no triangles"),
         ("binary.obj", b"\x01\0\0", "unknown binary data"),
         ("none.obj", b"# nothing here\n", "no faces"),
-        ("mesh.ply", b"ply\nformat", "a PLY mesh, and only .glb, .gltf and .obj"),
+        ("mesh.off", b"OFF\n", "holds text, and only .glb, .gltf, .obj, .stl, .ply and .vs3"),
+        ("mesh.ply", b"solid", "named .ply but holds text"),
+        ("zip.stl", b"PK\x03\x04", "named .stl but holds a zip archive"),
+        ("none.vs3", b"F 3\n", "no surfaces"),
+        ("binary.vs3", b"\x01\0\0", "named .vs3 but holds unknown binary data"),
     ];
     for (name, bytes, words) in cases {
         let message = refusal(&scratch.write(name, bytes));

@@ -123,6 +123,11 @@ pub(super) fn raw_polygons(scene: &Scene) -> impl Iterator<Item = Polygon> + '_ 
     })
 }
 
+/// All faces that only block, in order.
+pub(super) fn obstructions(scene: &Scene) -> Vec<[DVec3; 4]> {
+    scene.obstructions.iter().flat_map(|surface| surface.faces.iter().map(|face| corners(surface, face))).collect()
+}
+
 fn corners(surface: &Surface, face: &Face) -> [DVec3; 4] {
     // Adding zero makes a negative zero positive, so that equal coordinates have equal bits.
     face.map(|v| surface.vertices[v as usize] + DVec3::ZERO)

@@ -344,3 +344,19 @@ proptest! {
         prop_assert!(worst_shape(&mesh) > 0.2 * raw, "{} of {}", worst_shape(&mesh), raw);
     }
 }
+
+#[test]
+fn obstructions_stay_whole_however_the_scene_is_cut() {
+    let mut scene = scene_of(&cube(1.0, 1.0, 1.0), 1);
+    let (quad, triangle) = (prism(&[(0.2, 0.2), (0.8, 0.2), (0.5, 0.6)], 0.5, &[]), v(0.5, 0.5, 0.5));
+    scene.obstructions.push(surface("screen", &[quad[0].clone(), vec![quad[0][0], quad[0][1], triangle]]));
+    let corners = [0, 1, 2, 3].map(|i| quad[0][i]);
+    let expected = vec![corners, [corners[0], corners[1], triangle, triangle]];
+    let meshes = [Meshing::AsIs, Meshing::MaxEdge(0.1), Meshing::Count(50)].map(|m| patches(&scene, &m).unwrap());
+    for mesh in meshes.into_iter().chain([grid(&scene, &[(2, 2); 6]).unwrap()]) {
+        assert_eq!(mesh.obstructions, expected);
+        assert!(mesh.surface.iter().all(|&surface| surface == 0));
+    }
+    scene.obstructions[0].faces[1][2] = 99;
+    assert!(patches(&scene, &Meshing::AsIs).unwrap_err().to_string().contains("obstruction 'screen', face 1"));
+}

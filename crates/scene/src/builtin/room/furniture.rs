@@ -166,6 +166,8 @@ const BOARD: f64 = 0.03;
 const CASE_HEIGHT: f64 = 1.95;
 const CASE_FRONT: f64 = BACK_WALL - 0.32;
 const SHELVES: u32 = 5;
+/// So that the top of the lowest shelf is not that of the skirting behind it.
+const LOWEST_SHELF: f64 = 0.052;
 
 fn bookcase(detail: u32) -> Vec<Surface> {
     let side = |x: f64| Shape::block([x, 0., CASE_FRONT], [x + BOARD, CASE_HEIGHT, BACK_WALL], BOTTOM | BACK);
@@ -188,7 +190,7 @@ fn bookcase(detail: u32) -> Vec<Surface> {
 
 /// The underside of a shelf.
 fn shelf_height(index: u32) -> f64 {
-    0.05 + f64::from(index) * (CASE_HEIGHT - 0.05 - BOARD) / f64::from(SHELVES)
+    LOWEST_SHELF + f64::from(index) * (CASE_HEIGHT - LOWEST_SHELF - BOARD) / f64::from(SHELVES)
 }
 
 /// Books side by side with their colour; the coarsest room has blocks of several.

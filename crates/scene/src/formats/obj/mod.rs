@@ -10,15 +10,13 @@ mod statements;
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::DVec3;
-
 use self::library::Library;
 use self::statements::{Geometry, Group};
 use super::LoadOptions;
 use super::folder::Folder;
+use super::mesh;
 use super::names::{Roll, UniqueNames};
-use super::polygon;
-use crate::model::{Face, Finding, Scene, SceneError, Surface, band_names};
+use crate::model::{Finding, Scene, SceneError, Surface, band_names};
 
 /// Reads an `.obj` file and the `.mtl` files it names.
 ///
@@ -40,10 +38,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<
     let mut builder = Builder::new(&geometry, options);
     for group in &geometry.groups {
         builder.add(group, &mut library)?;
-        if builder.faces > options.max_faces {
-            let message = format!("the file has more than {} faces; simplify it or raise the limit", options.max_faces);
-            return Err(SceneError::new(file, "", message));
-        }
+        super::check_faces(builder.faces, options, &file)?;
     }
     if builder.faces == 0 {
         let message = "the file holds no faces with an area; export meshes as polygons";
@@ -101,12 +96,12 @@ impl<'a> Builder<'a> {
 
     fn add(&mut self, group: &Group, library: &mut Library) -> Result<(), SceneError> {
         let name = self.name(group);
-        let faces = self.faces_of(group, &name);
+        let faces = mesh::faces(&group.polygons, &self.geometry.positions, &name, &mut self.roll);
         if faces.is_empty() {
             return Ok(());
         }
         self.faces += faces.len();
-        let (vertices, faces) = compacted(&self.geometry.positions, faces, self.options.unit.metres());
+        let (vertices, faces) = mesh::compacted(&self.geometry.positions, faces, self.options.unit.metres());
         let mut material = library.material(group.material.as_deref())?;
         material.two_sided = self.options.two_sided.unwrap_or(true);
         let name = self.names.claim(&name);
@@ -124,39 +119,6 @@ impl<'a> Builder<'a> {
             (_, name) => name.into(),
         }
     }
-
-    fn faces_of(&mut self, group: &Group, name: &str) -> Vec<Face> {
-        let mut faces = Vec::with_capacity(group.polygons.len());
-        for corners in group.polygons.iter() {
-            let cut = polygon::cut(corners, &self.geometry.positions);
-            if cut.bent {
-                let message = "it has polygons that are not planar, which were cut into triangles";
-                self.roll.warn("non-planar-polygons", "surface", name, message);
-            }
-            if cut.tangled {
-                let message = "it has polygons whose edges cross, which are not covered faithfully; repair the mesh";
-                self.roll.warn("tangled-polygons", "surface", name, message);
-            }
-            if cut.faces.is_empty() {
-                let message = "it has polygons without area, which were left out";
-                self.roll.warn("zero-area-polygons", "surface", name, message);
-            }
-            faces.extend(cut.faces);
-        }
-        faces
-    }
-}
-
-/// The vertices that the faces use, in metres, and the faces renumbered.
-fn compacted(positions: &[DVec3], mut faces: Vec<Face>, metres: f64) -> (Vec<DVec3>, Vec<Face>) {
-    let (mut place, mut vertices) = (HashMap::new(), Vec::new());
-    for corner in faces.iter_mut().flatten() {
-        *corner = *place.entry(*corner).or_insert_with(|| {
-            vertices.push(metres * positions[*corner as usize]);
-            vertices.len() as u32 - 1
-        });
-    }
-    (vertices, faces)
 }
 
 #[cfg(test)]

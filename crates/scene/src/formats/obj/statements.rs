@@ -6,6 +6,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use crate::formats::mesh::{Polygons, is_coordinate};
+
 /// What an OBJ file says.
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
@@ -24,28 +26,6 @@ pub(super) struct Group {
     pub name: String,
     pub material: Option<String>,
     pub polygons: Polygons,
-}
-
-/// Polygons of any number of corners, end to end.
-#[derive(Debug, Default)]
-pub(super) struct Polygons {
-    corners: Vec<u32>,
-    ends: Vec<usize>,
-}
-
-impl Polygons {
-    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| &self.corners[start..end])
-    }
-
-    pub fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
-    }
 }
 
 /// What is wrong, and on which line.
@@ -188,8 +168,7 @@ impl Reader {
 fn vertex(rest: &str) -> Result<DVec3, String> {
     let mut numbers = rest.split_whitespace().map(str::parse::<f64>);
     let mut next = || match numbers.next() {
-        // The range of single precision; beyond it areas overflow.
-        Some(Ok(number)) if number.abs() <= f64::from(f32::MAX) => Ok(number),
+        Some(Ok(number)) if is_coordinate(number) => Ok(number),
         Some(_) => Err(format!("'{rest}' are not three finite coordinates; repair the vertex")),
         None => Err(format!("the vertex '{rest}' has fewer than three coordinates; repair it")),
     };

@@ -1,5 +1,7 @@
 use std::f64::consts::PI;
 
+use glam::DVec3;
+
 use super::*;
 use crate::formats::tests::Scratch;
 use crate::formats::texture::tests::two_colour_png;
