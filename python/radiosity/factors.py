@@ -273,6 +273,7 @@ def form_factors(
             "nusselt": Nusselt's analog, the projected area on the base of the hemisphere, averaged over points.
             "hemicube": item buffers of hemicubes on every patch (Cohen and Greenberg 1985).
             "monte_carlo": quasi-random cosine-distributed rays from every patch.
+            A count below that is given with "auto" chooses the method it belongs to.
         tolerance: wanted error of a form factor, and of a row sum (default 1e-6). Nusselt's analog and hemicubes take
             points and hemicubes until both ends of pairs and successive answers agree as well, within limits;
             ``report.estimated_error`` says what was reached. For rays the standard error of one form factor at worst.
@@ -294,7 +295,7 @@ def form_factors(
     if tolerance is not None and not 0 < tolerance < np.inf:
         raise ValueError(f"tolerance must be a positive number such as 1e-4, not {tolerance}")
     counts = {"rays": rays, "resolution": resolution, "hemicubes": hemicubes, "points": points}
-    _only_those_of(method, {name: count for name, count in counts.items() if count is not None})
+    method = _method_of(method, {name: count for name, count in counts.items() if count is not None})
     samples, wanted = _samples(method, tolerance, rays, hemicubes, points)
     native = _native.form_factors(
         patches._enclosure,
@@ -310,12 +311,21 @@ def form_factors(
     return FormFactors(patches, native, method, wanted)
 
 
-_COUNTS = {"nusselt": {"points"}, "hemicube": {"resolution", "hemicubes"}, "monte_carlo": {"rays"}}
+_COUNTS: dict[Method, set[str]] = {
+    "nusselt": {"points"},
+    "hemicube": {"resolution", "hemicubes"},
+    "monte_carlo": {"rays"},
+}
 
 
-def _only_those_of(method: str, counts: dict[str, int]) -> None:
-    if foreign := [name for name in counts if name not in _COUNTS.get(method, set())]:
-        raise ValueError(f"the method {method} takes no {foreign[0]}")
+def _method_of(method: Method, counts: dict[str, int]) -> Method:
+    """The method; that which goes with the counts given, if it was left to choose."""
+    for name in counts:
+        if method == "auto":
+            method = next(m for m, own in _COUNTS.items() if name in own)
+        elif name not in _COUNTS.get(method, set()):
+            raise ValueError(f"the method {method} takes no {name}")
+    return method
 
 
 def _samples(

@@ -9,8 +9,8 @@
 //!    is taken off: by a few rays where these tell enough, else integrated.
 //!
 //! Errors: `tolerance` T is shared so that each F_ij is within T and each row sum is too. A pair seen in full may err by
-//! `T F_ij / 2`, all in one direction. Partial pairs err in either direction: `T sqrt(F_ij) / 2` each makes no more than
-//! `T / 2` of a row, root mean square.
+//! `T F_ij / 2`, all in one direction. Partial pairs err in either direction: `T sqrt(F_ij) / 4` each makes no more than
+//! `T / 4` of a row, root mean square.
 
 mod nodes;
 
@@ -22,7 +22,7 @@ use crate::kernels::nusselt::{covered, nusselt};
 use crate::quadrature::PlaneRule;
 use crate::visibility::fragments::Fragments;
 use crate::visibility::hidden::{End, Estimate, Hidden};
-use crate::visibility::rays::{self, Points, Rays, enough_rays};
+use crate::visibility::rays::{Pair, Points, Rays};
 use crate::visibility::shaft::{Sight, between};
 use crate::visibility::{Blockers, Shaft};
 use glam::DVec3;
@@ -128,6 +128,7 @@ pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) ->
             let rows = scene.facets.nodes[leaf].range.clone();
             let mut task = Task::new(&scene, leaf, scratch);
             task.walk_all(control)?;
+            task.tally.rays = std::mem::take(&mut task.scratch.rays.cast);
             let pairs: usize = rows.clone().map(|i| n - 1 - i).sum();
             control.advance(pairs as u64);
             Ok((rows, task.values, task.tally))
@@ -185,8 +186,12 @@ enum Side {
     Across,
 }
 
-/// So few rays are cast without asking first whether a pair is seen in full.
-const FEW_RAYS: usize = 16;
+/// Where so much error is allowed, relative to the unoccluded exchange, some ten rays tell of most pairs.
+const FEW_RAYS_ERROR: f64 = 0.04;
+
+/// The share of the tolerance that the errors of partial pairs may take of a row, root mean square: with thousands of
+/// rows the worst is four times that.
+const PARTIAL_SHARE: f64 = 0.25;
 
 /// Coordinates of points meant to lie in a plane are off by rounding: relative to the scene.
 const ROUNDING: f64 = 1e-13;
@@ -353,25 +358,8 @@ impl<'a> Task<'a> {
             return whole.max(0.0);
         }
         let smaller = first.facet.area.min(second.facet.area);
-        let allowed = 0.5 * self.scene.settings.tolerance * (whole * smaller).sqrt();
-        let rays = enough_rays(allowed / whole).filter(|_| are_apart);
-        let hidden = match rays {
-            // A few rays cost less than to find out whether they are needed.
-            Some(rays) if rays <= FEW_RAYS => {
-                self.tally.partial += 1;
-                self.hidden_by_rays(pair, whole, rays)
-            }
-            _ => match (self.between(first, second, candidates), rays) {
-                (Sight::None, _) => return 0.0,
-                (Sight::Full, _) => return whole,
-                (Sight::Partial, Some(rays)) => self.hidden_by_rays(pair, whole, rays),
-                (Sight::Partial, None) => {
-                    let Blockers { list, contact } = &self.scene.blockers;
-                    let Scratch { hidden, kept, .. } = &mut *self.scratch;
-                    hidden.exchange(first, second, list, kept, allowed, *contact)
-                }
-            },
-        };
+        let allowed = PARTIAL_SHARE * self.scene.settings.tolerance * (whole * smaller).sqrt();
+        let Some(hidden) = self.hidden(pair, first, second, whole, allowed, are_apart, candidates) else { return 0.0 };
         self.tally.unresolved += u64::from(hidden.error > 1.01 * allowed);
         self.tally.worst_error = self.tally.worst_error.max(hidden.error / smaller);
         let left = whole - hidden.value;
@@ -379,12 +367,44 @@ impl<'a> Task<'a> {
         if left > 1e-13 * whole { left } else { 0.0 }
     }
 
-    fn hidden_by_rays(&mut self, pair: (usize, usize), whole: f64, count: usize) -> Estimate {
-        let Scene { enclosure, points, facets, .. } = self.scene;
-        let share = self.scratch.rays.hidden_share(enclosure, points, &facets.list, pair, count);
-        self.tally.by_rays += 1;
-        self.tally.rays += count as u64;
-        Estimate { value: share * whole, error: rays::error_of(share, count) * whole }
+    /// The hidden part of an exchange; none if one blocker hides it all.
+    fn hidden(
+        &mut self,
+        numbers: (usize, usize),
+        first: End,
+        second: End,
+        whole: f64,
+        allowed: f64,
+        are_apart: bool,
+        candidates: &[u32],
+    ) -> Option<Estimate> {
+        let Scene { enclosure, points, blockers, .. } = self.scene;
+        let is_auto = matches!(self.scene.settings.kernel, Kernel::Auto);
+        let pair = Pair { numbers, facets: (first.facet, second.facet) };
+        let rays_may_do = is_auto && are_apart && Rays::may_do(allowed / whole);
+        // Where a few rays may do they cost less than to find out whether any are needed.
+        let at_once = rays_may_do && allowed > FEW_RAYS_ERROR * whole;
+        if !at_once {
+            match self.between(first, second, candidates) {
+                Sight::None => return None,
+                Sight::Full => return Some(Estimate::default()),
+                Sight::Partial => {}
+            }
+        }
+        if rays_may_do && let Some(estimate) = self.scratch.rays.hidden(enclosure, points, pair, whole, allowed) {
+            self.tally.partial += u64::from(at_once);
+            self.tally.by_rays += 1;
+            return Some(estimate);
+        }
+        if at_once {
+            match self.between(first, second, candidates) {
+                Sight::None => return None,
+                Sight::Full => return Some(Estimate::default()),
+                Sight::Partial => {}
+            }
+        }
+        let Scratch { hidden, kept, .. } = &mut *self.scratch;
+        Some(hidden.exchange(first, second, &blockers.list, kept, allowed, blockers.contact))
     }
 
     /// The exchange if nothing stood between, and whether the pair is well apart.
