@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::time::Instant;
 
 /// How often everything is measured.
-const RUNS: usize = 5;
+const RUNS: usize = 4;
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|word| word.parse().expect("a whole number"));
@@ -105,8 +105,8 @@ fn scene() -> Patches {
         let (column, row) = ((k % 6) as f64, (k / 6) as f64);
         let corner = DVec3::new(0.4 + 1.3 * column, 0.0, 0.5 + 1.4 * row);
         let size = DVec3::new(0.7, 0.3 + 0.1 * (k % 5) as f64, 0.8);
-        mesh.cuboid(corner, corner + size, 10, false);
-        mesh.ball(corner + DVec3::new(0.35, size.y + 0.35, 0.4), 0.3, 20);
+        mesh.cuboid(corner, corner + size, 8, false);
+        mesh.ball(corner + DVec3::new(0.35, size.y + 0.35, 0.4), 0.3, 16);
     }
     let count = mesh.triangles.len();
     Patches::new(mesh.triangles, vec![0; count], (0..count as u32).collect(), vec![false; count])

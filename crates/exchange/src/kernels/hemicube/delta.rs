@@ -8,7 +8,7 @@
 //! on the horizon: 0.0005 % and 0.001 % at a resolution of 512.
 
 use super::Settings;
-use std::f64::consts::{FRAC_1_PI, SQRT_2};
+use std::f64::consts::FRAC_1_PI;
 
 /// The form factors of the pixels of a hemicube of `resolution` pixels along an edge, `resolution` even:
 /// `(top, side)`, row by row. The top has `resolution` rows of as many pixels; each of four sides has half as many
@@ -67,9 +67,10 @@ fn side_corner(u: f64, v: f64) -> f64 {
     0.5 * FRAC_1_PI * (u.atan() - (u / c).atan() / c)
 }
 
+#[cfg(test)]
 /// The form factor of the whole top: 0.5541, more than half of all that leaves.
 pub(super) fn top_total() -> f64 {
-    2.0 * FRAC_1_PI * SQRT_2 * (0.5 * SQRT_2).atan()
+    2.0 * FRAC_1_PI * std::f64::consts::SQRT_2 * (0.5 * SQRT_2).atan()
 }
 
 #[cfg(test)]

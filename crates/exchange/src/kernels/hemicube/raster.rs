@@ -224,18 +224,39 @@ impl Outline {
         let start = row * pixels.stride;
         let nearness = &mut pixels.nearness[start + first..start + end];
         let owner = &mut pixels.owner[start + first..start + end];
+        let [mut start, mut end] = [columns.start, columns.end].map(|c| c as i32 - (first * LANES) as i32);
         let mut column = first * LANES;
         for (nearness, owner) in nearness.iter_mut().zip(owner) {
             let base = (origin + step * column as f64) as f32;
-            for k in 0..LANES {
-                let (here, near) = ((column + k) as i32, base + ramp[k]);
-                let inside = (here >= columns.start as i32) & (here < columns.end as i32);
-                let seen = inside & (near > nearness[k]);
-                nearness[k] = if seen { near } else { nearness[k] };
-                owner[k] = if seen { self.owner } else { owner[k] };
-            }
+            merge(nearness, owner, base, ramp, [start, end], self.owner);
             column += LANES;
+            start -= LANES as i32;
+            end -= LANES as i32;
         }
+    }
+}
+
+/// Replaces the lanes in `start..end` that are nearer than what is there.
+///
+/// By masks and not by branches, so that it becomes a dozen vector instructions.
+#[inline(always)]
+fn merge(
+    nearness: &mut [f32; LANES],
+    owner: &mut [u32; LANES],
+    base: f32,
+    ramp: &[f32; LANES],
+    [start, end]: [i32; 2],
+    new: u32,
+) {
+    let (mut near, mut mask) = ([0f32; LANES], [0u32; LANES]);
+    for k in 0..LANES {
+        near[k] = base + ramp[k];
+        let inside = (start <= k as i32) & (end > k as i32);
+        mask[k] = u32::from(inside & (near[k] > nearness[k])).wrapping_neg();
+    }
+    for k in 0..LANES {
+        nearness[k] = f32::from_bits(near[k].to_bits() & mask[k] | nearness[k].to_bits() & !mask[k]);
+        owner[k] = new & mask[k] | owner[k] & !mask[k];
     }
 }
 
