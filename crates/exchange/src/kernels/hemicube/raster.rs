@@ -99,8 +99,10 @@ const LEVEL: f64 = 1e-13;
 impl Outline {
     #[inline(always)]
     fn new(face: usize, grid: &Grid, view: &View, polygons: &Polygons, item: &Item) -> Option<Self> {
-        let corners = &polygons.corners[item.polygon as usize];
-        let [a, b, c, d] = corners.map(|corner| on_face(face, view.vertex(corner)));
+        let [a, b, c, d] = polygons.corners[item.polygon as usize];
+        // Not by `map`: closures that stay outside are compiled without the entry point's instruction set.
+        let (a, b) = (on_face(face, view.vertex(a)), on_face(face, view.vertex(b)));
+        let (c, d) = (on_face(face, view.vertex(c)), on_face(face, view.vertex(d)));
         // By differences, which lose nothing to the distance of the polygon.
         let normal = cross(minus(c, a), minus(d, b));
         let height = dot(normal, a);

@@ -114,7 +114,8 @@ impl View {
     fn choose(&mut self, polygons: &Polygons, range: std::ops::Range<usize>) {
         let pad = self.pad();
         for (polygon, corners) in range.clone().zip(&polygons.corners[range]) {
-            let [a, b, c, d] = corners.map(|corner| self.places[corner as usize]);
+            let place = |corner: usize| &self.places[corners[corner] as usize];
+            let (a, b, c, d) = (place(0), place(1), place(2), place(3));
             let all = a.code & b.code & c.code & d.code;
             if all & BELOW != 0 {
                 continue;
