@@ -20,6 +20,7 @@
 
 mod delta;
 mod face;
+mod merge;
 mod polygons;
 mod raster;
 mod tally;
@@ -34,6 +35,9 @@ use crate::rows::Rows;
 use delta::Strips;
 use face::{FACES, Grid, TOP, from_face};
 use glam::DVec3;
+#[cfg(target_arch = "x86_64")]
+use merge::Avx2;
+use merge::{Merge, Plain};
 use polygons::Polygons;
 use radiosity_geometry::Chart;
 use radiosity_geometry::bvh::Kernel;
@@ -125,7 +129,7 @@ pub fn item_buffer(enclosure: &Enclosure, side: usize, settings: &Settings) -> I
         hemicube.view.look(&scene.polygons, &stand);
         for face in 0..FACES {
             let grid = Grid::new(face, settings.resolution);
-            raster::draw(face, &grid, &hemicube.view, &scene.polygons, &mut hemicube.pixels);
+            raster::draw::<Plain>(face, &grid, &hemicube.view, &scene.polygons, &mut hemicube.pixels);
             buffer.copy(face, &grid, &hemicube.pixels, &scene.polygons);
         }
     }
@@ -182,22 +186,22 @@ impl Hemicube {
             // SAFETY: the kernel comes from `Kernel::available`, which lists AVX2 only where the processor has it.
             return unsafe { self.see_avx2(scene, stand) };
         }
-        self.see_with_any(scene, stand);
+        self.see_with::<Plain>(scene, stand);
     }
 
     /// All of it is inlined here and so compiled for AVX2; without fused operations, so that bits do not change.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn see_avx2(&mut self, scene: &Scene, stand: &Stand) {
-        self.see_with_any(scene, stand);
+        self.see_with::<Avx2>(scene, stand);
     }
 
     #[inline(always)]
-    fn see_with_any(&mut self, scene: &Scene, stand: &Stand) {
+    fn see_with<M: Merge>(&mut self, scene: &Scene, stand: &Stand) {
         self.view.look(&scene.polygons, stand);
         for face in 0..FACES {
             let grid = Grid::new(face, scene.settings.resolution);
-            raster::draw(face, &grid, &self.view, &scene.polygons, &mut self.pixels);
+            raster::draw::<M>(face, &grid, &self.view, &scene.polygons, &mut self.pixels);
             self.tally.add(face, &grid, &scene.strips, &self.pixels);
         }
     }
@@ -279,7 +283,9 @@ impl ItemBuffer {
         };
         for row in 0..grid.rows {
             self.owner[face].extend(pixels.owners(row)[..grid.columns].iter().map(|&owner| code(owner)));
-            self.depth[face].extend(pixels.nearness(row)[..grid.columns].iter().map(|&near| 1.0 / near));
+            let depths =
+                pixels.nearness(row)[..grid.columns].iter().map(|&near| (polygons.extent / f64::from(near)) as f32);
+            self.depth[face].extend(depths);
         }
     }
 }

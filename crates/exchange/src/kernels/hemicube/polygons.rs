@@ -4,10 +4,10 @@ use crate::enclosure::Enclosure;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// How far above the horizon a polygon must reach to be seen, relative to the scene's half extent: what single
-/// precision may have moved a corner of a file off the plane it shares with the source. [`Enclosure`] raises the
-/// origins of rays by as much.
-const COPLANAR: f64 = 3.0 * f32::EPSILON as f64;
+/// How far above the horizon a polygon must reach to be seen, relative to the scene's extent: what single precision
+/// may have moved a corner of a file off the plane it shares with the source. [`Enclosure`] raises the origins of
+/// rays by as much.
+pub(super) const COPLANAR: f64 = 1.5 * f32::EPSILON as f64;
 
 /// Convex polygons of three or four corners over shared vertices.
 ///
@@ -21,8 +21,8 @@ pub(super) struct Polygons {
     pub owners: Vec<[u32; 2]>,
     /// The first polygon of every patch; obstructions follow.
     first: Vec<u32>,
-    /// Polygons that nowhere rise higher than this above a source's plane are not seen from it, metres.
-    pub coplanar: f64,
+    /// The extent of the scene, metres: the unit of what is drawn, so that nothing depends on its size.
+    pub extent: f64,
     sides: u32,
 }
 
@@ -47,8 +47,8 @@ impl Polygons {
         for polygon in &patches.obstructions {
             add(polygon, [black; 2]);
         }
-        let coplanar = 0.5 * COPLANAR * extent(&welder.vertices);
-        Self { vertices: welder.vertices, corners, owners, first, coplanar, sides: black }
+        let extent = extent(&welder.vertices);
+        Self { vertices: welder.vertices, corners, owners, first, extent, sides: black }
     }
 
     /// The number of polygons.
@@ -111,11 +111,12 @@ fn convex_parts(polygon: &[DVec3; 4]) -> Vec<[DVec3; 4]> {
     vec![facing(a, b, c), facing(a, c, d)]
 }
 
-/// The largest extent of the vertices along an axis.
+/// The largest extent of the vertices along an axis; 1 where there is none.
 fn extent(vertices: &[Vec<f64>; 3]) -> f64 {
     let along = |axis: &Vec<f64>| {
         let (low, high) = axis.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
         high - low
     };
-    vertices.iter().map(along).fold(0.0, f64::max)
+    let extent = vertices.iter().map(along).fold(0.0, f64::max);
+    if extent > 0.0 { extent } else { 1.0 }
 }

@@ -15,58 +15,66 @@
 //! eight pixels; of equals the one drawn first stays.
 
 use super::face::{Grid, Window, mirrored, on_face};
+use super::merge::{LANES, Merge, Pixels8};
 use super::polygons::Polygons;
 use super::view::{Item, View};
 
-/// Pixels that are tested and written together.
-pub(super) const LANES: usize = 8;
-
-/// Depths and owners of the pixels of one face, rows padded to whole chunks and one chunk more.
+/// Depths and owners of the pixels of one face, rows padded by what a write of `LANES` pixels may reach over the end.
 pub(super) struct Pixels {
-    /// Chunks to a row.
-    pub stride: usize,
-    /// The inverse of the depth along the face's axis, 1/m; 0 where there is nothing.
-    pub nearness: Vec<[f32; LANES]>,
+    /// Pixels to a row, padding included.
+    stride: usize,
+    /// The inverse of the depth along the face's axis, in extents of the scene; 0 where there is nothing.
+    nearness: Vec<f32>,
     /// What is seen; beyond the last column something that no owner equals.
-    pub owner: Vec<[u32; LANES]>,
+    owner: Vec<u32>,
 }
 
 impl Pixels {
     /// Room for the largest face.
     pub fn new(resolution: usize) -> Self {
-        let stride = resolution.div_ceil(LANES) + 1;
-        let chunks = stride * resolution;
-        Self { stride, nearness: vec![[0.0; LANES]; chunks], owner: vec![[u32::MAX; LANES]; chunks] }
+        let stride = resolution.next_multiple_of(LANES) + LANES;
+        let count = stride * resolution;
+        Self { stride, nearness: vec![0.0; count], owner: vec![u32::MAX; count] }
     }
 
     /// Forgets all that was drawn.
     #[inline(always)]
     fn clear(&mut self, grid: &Grid, nothing: u32) {
-        self.nearness[..grid.rows * self.stride].fill([0.0; LANES]);
-        for row in self.owner[..grid.rows * self.stride].chunks_exact_mut(self.stride) {
-            row.as_flattened_mut()[..grid.columns].fill(nothing);
+        let count = grid.rows * self.stride;
+        self.nearness[..count].fill(0.0);
+        for row in self.owner[..count].chunks_exact_mut(self.stride) {
+            row[..grid.columns].fill(nothing);
         }
     }
 
     /// Owners along a row, with what follows the last column.
     #[inline(always)]
     pub fn owners(&self, row: usize) -> &[u32] {
-        self.owner[row * self.stride..(row + 1) * self.stride].as_flattened()
+        &self.owner[row * self.stride..(row + 1) * self.stride]
     }
 
     /// Nearness along a row.
     pub fn nearness(&self, row: usize) -> &[f32] {
-        self.nearness[row * self.stride..(row + 1) * self.stride].as_flattened()
+        &self.nearness[row * self.stride..(row + 1) * self.stride]
+    }
+
+    /// Eight pixels from an index.
+    #[inline(always)]
+    fn eight(&mut self, at: usize) -> Pixels8<'_> {
+        Pixels8 {
+            nearness: (&mut self.nearness[at..at + LANES]).try_into().unwrap(),
+            owner: (&mut self.owner[at..at + LANES]).try_into().unwrap(),
+        }
     }
 }
 
 /// Draws what was chosen for a face.
 #[inline(always)]
-pub(super) fn draw(face: usize, grid: &Grid, view: &View, polygons: &Polygons, pixels: &mut Pixels) {
+pub(super) fn draw<M: Merge>(face: usize, grid: &Grid, view: &View, polygons: &Polygons, pixels: &mut Pixels) {
     pixels.clear(grid, polygons.nothing());
     for item in &view.items[face] {
         if let Some(outline) = Outline::new(face, grid, view, polygons, item) {
-            outline.fill(grid, &item.window, pixels);
+            outline.fill::<M>(grid, &item.window, pixels);
         }
     }
 }
@@ -173,33 +181,35 @@ impl Outline {
 
     /// Writes the pixels where the polygon is nearest.
     #[inline(always)]
-    fn fill(&self, grid: &Grid, window: &Window, pixels: &mut Pixels) {
-        let [du, dv, d1] = self.plane;
-        let step = du * grid.step;
+    fn fill<M: Merge>(&self, grid: &Grid, window: &Window, pixels: &mut Pixels) {
+        let step = self.plane[0] * grid.step;
         let mut ramp = [0f32; LANES];
         for (k, ramp) in ramp.iter_mut().enumerate() {
             *ramp = (step * k as f64) as f32;
         }
         for first in (self.rows[0]..self.rows[1]).step_by(BATCH) {
-            let (from, to) = self.spans(grid, window, first);
+            let spans = self.spans(grid, window, first);
             for k in 0..BATCH.min(self.rows[1] - first) {
-                let (from, to) = (from[k] as usize, to[k] as usize);
-                if from < to {
-                    let row = first + k;
-                    let origin = d1 + dv * grid.v(row as f64) + du * grid.u(0.0);
-                    self.fill_row(row, from..to, origin, step, &ramp, pixels);
+                let start = (first + k) * pixels.stride;
+                let (mut column, end) = (spans.from[k] as usize, spans.to[k] as usize);
+                while column < end {
+                    let base = (spans.origin[k] + step * column as f64) as f32;
+                    M::merge(pixels.eight(start + column), end - column, base, &ramp, self.owner);
+                    column += LANES;
                 }
             }
         }
     }
 
-    /// First columns and ends of `BATCH` rows.
+    /// The spans of `BATCH` rows.
     #[inline(always)]
-    fn spans(&self, grid: &Grid, window: &Window, first: usize) -> ([u32; BATCH], [u32; BATCH]) {
+    fn spans(&self, grid: &Grid, window: &Window, first: usize) -> Spans {
         let [low, high] = window.columns.map(f64::from);
-        let (mut left, mut right, mut v) = ([low; BATCH], [high; BATCH], [0.0; BATCH]);
-        for (k, v) in v.iter_mut().enumerate() {
-            *v = grid.v((first + k) as f64);
+        let (mut left, mut right, mut v, mut origin) = ([low; BATCH], [high; BATCH], [0.0; BATCH], [0.0; BATCH]);
+        let [du, dv, d1] = self.plane;
+        for k in 0..BATCH {
+            v[k] = grid.v((first + k) as f64);
+            origin[k] = (d1 + du * grid.u(0.0)) + dv * v[k];
         }
         for edge in 0..self.edges {
             let (l, r) = (self.left[edge], self.right[edge]);
@@ -209,57 +219,18 @@ impl Outline {
                 right[k] = if r < right[k] { r } else { right[k] };
             }
         }
-        (round_up(left, low, high), round_up(right, low, high))
-    }
-
-    #[inline(always)]
-    fn fill_row(
-        &self,
-        row: usize,
-        columns: std::ops::Range<usize>,
-        origin: f64,
-        step: f64,
-        ramp: &[f32; LANES],
-        pixels: &mut Pixels,
-    ) {
-        let (first, end) = (columns.start / LANES, columns.end.div_ceil(LANES));
-        let start = row * pixels.stride;
-        let nearness = &mut pixels.nearness[start + first..start + end];
-        let owner = &mut pixels.owner[start + first..start + end];
-        let [mut start, mut end] = [columns.start, columns.end].map(|c| c as i32 - (first * LANES) as i32);
-        let mut column = first * LANES;
-        for (nearness, owner) in nearness.iter_mut().zip(owner) {
-            let base = (origin + step * column as f64) as f32;
-            merge(nearness, owner, base, ramp, [start, end], self.owner);
-            column += LANES;
-            start -= LANES as i32;
-            end -= LANES as i32;
-        }
+        Spans { from: round_up(left, low, high), to: round_up(right, low, high), origin }
     }
 }
 
-/// Replaces the lanes in `start..end` that are nearer than what is there.
-///
-/// By masks and not by branches, so that it becomes a dozen vector instructions.
-#[inline(always)]
-fn merge(
-    nearness: &mut [f32; LANES],
-    owner: &mut [u32; LANES],
-    base: f32,
-    ramp: &[f32; LANES],
-    [start, end]: [i32; 2],
-    new: u32,
-) {
-    let (mut near, mut mask) = ([0f32; LANES], [0u32; LANES]);
-    for k in 0..LANES {
-        near[k] = base + ramp[k];
-        let inside = (start <= k as i32) & (end > k as i32);
-        mask[k] = u32::from(inside & (near[k] > nearness[k])).wrapping_neg();
-    }
-    for k in 0..LANES {
-        nearness[k] = f32::from_bits(near[k].to_bits() & mask[k] | nearness[k].to_bits() & !mask[k]);
-        owner[k] = new & mask[k] | owner[k] & !mask[k];
-    }
+/// What a polygon covers of `BATCH` rows.
+struct Spans {
+    /// First columns.
+    from: [u32; BATCH],
+    /// Columns after the last.
+    to: [u32; BATCH],
+    /// Nearness at column 0.
+    origin: [f64; BATCH],
 }
 
 /// Rows whose spans are found together.

@@ -2,7 +2,8 @@
 
 use super::delta::Strips;
 use super::face::{Grid, TOP};
-use super::raster::{LANES, Pixels};
+use super::merge::LANES;
+use super::raster::Pixels;
 
 /// Sums over the pixels of each owner.
 pub(super) struct Tally {

@@ -1,7 +1,7 @@
 //! The polygons as seen from one position: vertices in the frame of the source, and which faces each polygon may touch.
 
 use super::face::{FACES, Grid, TOP, Window, on_face};
-use super::polygons::Polygons;
+use super::polygons::{COPLANAR, Polygons};
 use glam::DVec3;
 use radiosity_geometry::sampling::Frame;
 
@@ -59,7 +59,7 @@ pub(super) struct Item {
 /// Scratch for one position after another.
 pub(super) struct View {
     resolution: usize,
-    /// Vertices in the frame of the source, coordinate by coordinate, metres; filled up to whole chunks.
+    /// Vertices in the frame of the source, coordinate by coordinate, in extents of the scene; filled up to whole chunks.
     pub vertices: [Vec<f64>; 3],
     places: Vec<Place>,
     /// What to draw on each face, in the order of the polygons.
@@ -94,6 +94,7 @@ impl View {
             list.resize(filled, 0.0);
         }
         self.places.resize(filled, Place::default());
+        let axes = stand.axes.map(|axis| axis / polygons.extent);
         let grids = [Grid::new(TOP, self.resolution), Grid::new(TOP + 1, self.resolution)];
         for first in (0..count).step_by(LANES) {
             let mut world = [[0.0; LANES]; 3];
@@ -101,11 +102,11 @@ impl View {
             for (lanes, list) in world.iter_mut().zip(&polygons.vertices) {
                 lanes[..some].copy_from_slice(&list[first..first + some]);
             }
-            let local = to_frame(&world, stand);
+            let local = to_frame(&world, stand.position, &axes);
             for (list, lanes) in self.vertices.iter_mut().zip(&local) {
                 list[first..first + LANES].copy_from_slice(lanes);
             }
-            place(&local, polygons.coplanar, &grids, (&mut self.places[first..first + LANES]).try_into().unwrap());
+            place(&local, &grids, (&mut self.places[first..first + LANES]).try_into().unwrap());
         }
     }
 
@@ -166,7 +167,7 @@ impl View {
         }
     }
 
-    /// A vertex in the frame of the source.
+    /// A vertex in the frame of the source, in extents of the scene.
     #[inline(always)]
     pub fn vertex(&self, index: u32) -> [f64; 3] {
         let [x, y, z] = &self.vertices;
@@ -180,12 +181,11 @@ impl View {
     }
 }
 
-/// Rotates points into the frame of a source.
+/// Coordinates of points along axes from a position.
 #[inline(always)]
-fn to_frame(world: &[[f64; LANES]; 3], stand: &Stand) -> [[f64; LANES]; 3] {
-    let eye = stand.position;
+fn to_frame(world: &[[f64; LANES]; 3], eye: DVec3, axes: &[DVec3; 3]) -> [[f64; LANES]; 3] {
     let mut local = [[0.0; LANES]; 3];
-    for (lanes, axis) in local.iter_mut().zip(&stand.axes) {
+    for (lanes, axis) in local.iter_mut().zip(axes) {
         for k in 0..LANES {
             let (x, y, z) = (world[0][k] - eye.x, world[1][k] - eye.y, world[2][k] - eye.z);
             lanes[k] = x * axis.x + y * axis.y + z * axis.z;
@@ -196,7 +196,7 @@ fn to_frame(world: &[[f64; LANES]; 3], stand: &Stand) -> [[f64; LANES]; 3] {
 
 /// Finds the home and the code of each vertex.
 #[inline(always)]
-fn place(local: &[[f64; LANES]; 3], coplanar: f64, [top, side]: &[Grid; 2], places: &mut [Place; LANES]) {
+fn place(local: &[[f64; LANES]; 3], [top, side]: &[Grid; 2], places: &mut [Place; LANES]) {
     let [x, y, z] = local;
     let (mut column, mut row, mut code) = ([0f32; LANES], [0f32; LANES], [0u32; LANES]);
     for k in 0..LANES {
@@ -228,7 +228,7 @@ fn place(local: &[[f64; LANES]; 3], coplanar: f64, [top, side]: &[Grid; 2], plac
         };
         let home = if depth > 0.0 { home << HOME } else { 0 };
         code[k] = home
-            | bit(z <= coplanar, BELOW)
+            | bit(z <= COPLANAR, BELOW)
             | bit(x > z, X_OVER_Z)
             | bit(-x > z, MINUS_X_OVER_Z)
             | bit(y > z, Y_OVER_Z)
