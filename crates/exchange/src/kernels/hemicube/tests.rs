@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::kernels::point_to_polygon::point_to_polygon;
+use proptest::prelude::*;
 use radiosity_geometry::Patches;
 
 const CORNERS: [[usize; 4]; 6] = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
@@ -391,4 +392,49 @@ fn the_unfolded_hemicube_is_continuous_at_the_edges_of_its_top() {
 #[should_panic(expected = "even and in 8..=4096, not 9")]
 fn odd_resolutions_are_refused() {
     all_rows(&room(1), &Settings { resolution: 9, ..Settings::default() });
+}
+
+/// Whether the ray from the origin meets a triangle; nothing where that is a matter of rounding.
+fn meets(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<bool> {
+    let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|n| direction.dot(n));
+    let total = a.dot(b.cross(c));
+    if volumes.iter().chain([&total]).any(|v| v.abs() < 1e-9) {
+        return None;
+    }
+    Some(volumes.iter().all(|v| (*v > 0.0) == (total > 0.0)))
+}
+
+fn anywhere() -> impl Strategy<Value = DVec3> {
+    (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| DVec3::new(x, y, z))
+}
+
+proptest! {
+    #[test]
+    fn a_triangle_anywhere_covers_the_pixels_whose_rays_meet_it(a in anywhere(), b in anywhere(), c in anywhere(), seed: u64) {
+        let settings = Settings { resolution: 32, positions: 1, seed };
+        let buffer = item_buffer(&enclosure(vec![floor(), [a, b, c, c]]), 0, &settings);
+        let facing = a.dot((b - a).cross(c - a)) < 0.0;
+        let owner = if facing { 1 } else { ItemBuffer::BACK };
+        let highest = a.z.max(b.z).max(c.z);
+        for (face, owners) in buffer.owner.iter().enumerate() {
+            for (pixel, &seen) in owners.iter().enumerate() {
+                let direction = buffer.direction(face, pixel / 32, pixel % 32);
+                let Some(meets) = meets(direction, [a, b, c]).map(|meets| meets && highest > 1e-6) else { continue };
+                prop_assert_eq!(seen, if meets { owner } else { ItemBuffer::NOTHING }, "{} {}", face, pixel);
+            }
+        }
+    }
+
+    #[test]
+    fn a_room_full_of_anything_is_closed(corners in prop::collection::vec(anywhere(), 4..60), seed: u64) {
+        let mut polygons = faces(DVec3::splat(-1.0), DVec3::ONE, true);
+        // Quadrangles of random corners are neither planar nor convex.
+        polygons.extend(corners.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]));
+        let enclosure = Enclosure::new(patches(polygons, true));
+        let rows = all_rows(&enclosure, &Settings { resolution: 16, positions: 1, seed });
+        for side in 0..6 {
+            let sum = sum(rows.row(side));
+            prop_assert!((sum - 1.0).abs() < 1e-12, "{}: {}", side, sum);
+        }
+    }
 }
