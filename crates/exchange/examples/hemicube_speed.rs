@@ -2,9 +2,9 @@
 //!
 //!     cargo run --release -p radiosity-exchange --example hemicube_speed [resolution] [sides]
 //!
-//! Rays are cast from the same points, in bundles of a hemicube's `3 R^2` pixels: once through the centres of the
-//! pixels, row by row, and once cosine-distributed as the engine shoots them. All run on all cores. Every number is
-//! the best of several runs, which take turns.
+//! Rays are as many as a hemicube's `3 R^2` pixels: once from the same points through the centres of the pixels, row by
+//! row, and once cosine-distributed from all over a side, as the engine shoots them. All run on all cores. Every number
+//! is the best of several runs, which take turns.
 
 use glam::DVec3;
 use radiosity_exchange::enclosure::Sight;
@@ -63,23 +63,25 @@ fn draw(enclosure: &Enclosure, sides: &[usize], settings: &Settings) -> f64 {
     rows.entries.iter().map(|(_, f)| f).sum()
 }
 
-/// Casts the rays that a hemicube stands for.
+/// Casts the rays that a hemicube stands for, a row of pixels at a time.
 fn cast_through_pixels(enclosure: &Enclosure, buffers: &[ItemBuffer]) -> f64 {
-    let pixels = |face: usize, resolution: usize| {
-        let rows = if face == 0 { resolution } else { resolution / 2 };
-        (0..rows).flat_map(move |row| (0..resolution).map(move |column| (face, row, column)))
-    };
-    let cast = |buffer: &ItemBuffer| {
-        let all = (0..5).flat_map(|face| pixels(face, buffer.resolution));
-        let off = buffer.position + 1e-6 * buffer.axes[2];
-        let rays: Vec<Ray> =
-            all.map(|(face, row, column)| enclosure.ray(off, buffer.direction(face, row, column).as_vec3())).collect();
-        let mut hits = vec![Hit::MISS; rays.len()];
-        enclosure.bvh().closest_hits(&rays, &mut hits);
-        let seen = |(ray, hit): (&Ray, &Hit)| matches!(enclosure.sight(ray.direction, hit), Sight::Side(..));
-        rays.iter().zip(&hits).filter(|pair| seen(*pair)).count()
-    };
-    buffers.par_iter().map(cast).sum::<usize>() as f64
+    buffers.par_iter().map(|buffer| cast_through(enclosure, buffer)).sum::<usize>() as f64
+}
+
+fn cast_through(enclosure: &Enclosure, buffer: &ItemBuffer) -> usize {
+    let resolution = buffer.resolution;
+    let off = buffer.position + 1e-6 * buffer.axes[2];
+    let (mut rays, mut hits, mut seen) = (Vec::<Ray>::new(), vec![Hit::MISS; resolution], 0);
+    for (face, owners) in buffer.owner.iter().enumerate() {
+        for row in 0..owners.len() / resolution {
+            rays.clear();
+            rays.extend((0..resolution).map(|k| enclosure.ray(off, buffer.direction(face, row, k).as_vec3())));
+            enclosure.bvh().closest_hits(&rays, &mut hits);
+            let sights = rays.iter().zip(&hits).map(|(ray, hit)| enclosure.sight(ray.direction, hit));
+            seen += sights.filter(|sight| matches!(sight, Sight::Side(..))).count();
+        }
+    }
+    seen
 }
 
 /// How many sides' worth of rays are shot: spread over all sides, as the engine does it.

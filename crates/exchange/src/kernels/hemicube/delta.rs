@@ -35,27 +35,39 @@ pub(super) struct Strips {
 
 impl Strips {
     pub fn new(resolution: usize) -> Self {
-        let step = 2.0 / resolution as f64;
-        let edge = |k: usize| k as f64 * step - 1.0;
-        let rows = |count: usize, lowest: f64, corner: fn(f64, f64) -> f64| {
-            let edges = |row: usize| (0..=resolution).map(move |k| corner(edge(k), lowest + row as f64 * step));
-            let mut low: Vec<f64> = edges(0).collect();
-            let mut sums = Vec::with_capacity(count * (resolution + 1));
-            for row in 1..=count {
-                let high: Vec<f64> = edges(row).collect();
-                let first = high[0] - low[0];
-                sums.extend(high.iter().zip(&low).map(|(high, low)| (high - low) - first));
-                low = high;
-            }
-            sums
-        };
-        Self { top: rows(resolution, -1.0, top_corner), side: rows(resolution / 2, 0.0, side_corner) }
+        Self {
+            top: strips(resolution, resolution, -1.0, top_corner),
+            side: strips(resolution, resolution / 2, 0.0, side_corner),
+        }
     }
+
+    /// A top that reaches `half_width` to either side at distance 1, and no sides.
+    pub fn plane(resolution: usize, half_width: f64) -> Self {
+        let corner = |u: f64, v: f64| top_corner(u * half_width, v * half_width);
+        Self { top: strips(resolution, resolution, -1.0, corner), side: Vec::new() }
+    }
+}
+
+/// Running sums of `rows` rows from `lowest` up, by differences of a form factor's value at corners.
+fn strips(resolution: usize, rows: usize, lowest: f64, corner: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let step = 2.0 / resolution as f64;
+    let edge = |row: usize| -> Vec<f64> {
+        (0..=resolution).map(|k| corner(k as f64 * step - 1.0, lowest + row as f64 * step)).collect()
+    };
+    let mut low = edge(0);
+    let mut sums = Vec::with_capacity(rows * (resolution + 1));
+    for row in 1..=rows {
+        let high = edge(row);
+        let first = high[0] - low[0];
+        sums.extend(high.iter().zip(&low).map(|(high, low)| (high - low) - first));
+        low = high;
+    }
+    sums
 }
 
 /// The form factor of the rectangle from the axis to `(u, v)` in the plane that faces the source at distance 1, odd in
 /// `u` and in `v` (Hottel and Sarofim 1967; configuration factor B-3 of Howell's catalogue).
-fn top_corner(u: f64, v: f64) -> f64 {
+pub(super) fn top_corner(u: f64, v: f64) -> f64 {
     let term = |a: f64, b: f64| {
         let c = (1.0 + a * a).sqrt();
         a / c * (b / c).atan()

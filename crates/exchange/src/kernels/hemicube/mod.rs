@@ -23,12 +23,14 @@ mod face;
 mod merge;
 mod polygons;
 mod raster;
+mod single_plane;
 mod tally;
 #[cfg(test)]
 mod tests;
 mod view;
 
 pub use delta::delta_form_factors;
+pub use single_plane::{single_plane_rows_of, single_plane_share};
 
 use crate::enclosure::Enclosure;
 use crate::rows::Rows;
@@ -97,16 +99,7 @@ pub fn rows_of(
     control: &Control,
 ) -> Result<Rows, Cancelled> {
     settings.check();
-    control.expect(sides.len() as u64);
-    let scene = Scene::new(enclosure, settings, Kernel::detect());
-    let row = |hemicube: &mut Hemicube, &side: &usize| {
-        control.check()?;
-        let row = hemicube.row(&scene, side);
-        control.advance(1);
-        Ok(row)
-    };
-    let rows = sides.par_iter().map_init(|| Hemicube::new(&scene), row).collect::<Result<_, _>>()?;
-    Ok(Rows::from_rows(rows))
+    Scene::new(enclosure, settings, Kernel::detect()).rows_of(sides, control)
 }
 
 /// What the hemicube at the first position of a side sees, pixel by pixel.
@@ -143,12 +136,28 @@ struct Scene<'a> {
     polygons: Polygons,
     strips: Strips,
     kernel: Kernel,
+    /// How many faces are drawn: all, or the top alone.
+    faces: usize,
+    /// How far the top reaches to either side, in units of its distance.
+    half_width: f64,
 }
 
 impl<'a> Scene<'a> {
     fn new(enclosure: &'a Enclosure, settings: &'a Settings, kernel: Kernel) -> Self {
         let (polygons, strips) = (Polygons::new(enclosure), Strips::new(settings.resolution));
-        Self { enclosure, settings, polygons, strips, kernel }
+        Self { enclosure, settings, polygons, strips, kernel, faces: FACES, half_width: 1.0 }
+    }
+
+    fn rows_of(&self, sides: &[usize], control: &Control) -> Result<Rows, Cancelled> {
+        control.expect(sides.len() as u64);
+        let row = |hemicube: &mut Hemicube, &side: &usize| {
+            control.check()?;
+            let row = hemicube.row(self, side);
+            control.advance(1);
+            Ok(row)
+        };
+        let rows = sides.par_iter().map_init(|| Hemicube::new(self), row).collect::<Result<_, _>>()?;
+        Ok(Rows::from_rows(rows))
     }
 }
 
@@ -173,7 +182,7 @@ impl Hemicube {
     fn row(&mut self, scene: &Scene, side: usize) -> Vec<(u32, f64)> {
         if scene.enclosure.area(side) > 0.0 {
             for index in 0..scene.settings.positions {
-                self.see(scene, &stand(scene.enclosure, side, scene.settings, index));
+                self.see(scene, &stand(scene.enclosure, side, scene.settings, index).widened(scene.half_width));
             }
         }
         self.tally.take(scene.enclosure.sides(), 1.0 / scene.settings.positions as f64)
@@ -199,7 +208,7 @@ impl Hemicube {
     #[inline(always)]
     fn see_with<M: Merge>(&mut self, scene: &Scene, stand: &Stand) {
         self.view.look(&scene.polygons, stand);
-        for face in 0..FACES {
+        for face in 0..scene.faces {
             let grid = Grid::new(face, scene.settings.resolution);
             raster::draw::<M>(face, &grid, &self.view, &scene.polygons, &mut self.pixels);
             self.tally.add(face, &grid, &scene.strips, &self.pixels);

@@ -9,7 +9,7 @@ use radiosity_geometry::sampling::Frame;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stand {
     pub position: DVec3,
-    /// Its axes: the normal of the source is the hemicube's z.
+    /// Its axes: the normal of the source is the hemicube's z. Of unit length unless widened.
     pub axes: [DVec3; 3],
     /// The patch it stands on, which it does not see.
     pub patch: usize,
@@ -23,6 +23,14 @@ impl Stand {
         let x = cosine * frame.tangent + sine * frame.bitangent;
         let y = cosine * frame.bitangent - sine * frame.tangent;
         Self { position, axes: [x, y, normal], patch }
+    }
+
+    /// Draws everything in to the axis, so that the top of the hemicube shows what lies within `half_width` of it.
+    ///
+    /// The map is linear: lines stay lines, the order along them stays, and so does height.
+    pub fn widened(self, half_width: f64) -> Self {
+        let [x, y, z] = self.axes;
+        Self { axes: [x / half_width, y / half_width, z], ..self }
     }
 }
 
