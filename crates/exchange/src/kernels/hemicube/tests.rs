@@ -223,6 +223,18 @@ fn obstructions_and_backs_absorb() {
 }
 
 #[test]
+fn where_a_back_and_a_front_lie_together_the_front_is_seen() {
+    // A sheet of two one-sided squares, slanted so that depths round; the one that turns its back is drawn first.
+    let slanted = ceiling(1.0).map(|p| p + (0.3 * p.x + 0.2 * p.y) * DVec3::Z);
+    let [a, b, c, d] = slanted;
+    let settings = Settings { resolution: 128, ..Settings::default() };
+    let alone = row_of(&enclosure(vec![floor(), slanted]), 0, &settings);
+    let sheet = row_of(&enclosure(vec![floor(), [c, b, a, d], [a, b, c, c], [a, c, d, d]]), 0, &settings);
+    assert_eq!(sheet.len(), 2);
+    assert!((sum(&sheet) - sum(&alone)).abs() < 1e-12, "{sheet:?} {alone:?}");
+}
+
+#[test]
 fn an_obstruction_hides_its_part() {
     // A wall as high as the ceiling, off the middle of the floor: it hides the strip beyond the line of sight.
     let wall = [DVec3::new(0.1, -9., 0.), DVec3::new(0.1, 9., 0.), DVec3::new(0.1, 9., 0.5), DVec3::new(0.1, -9., 0.5)];
