@@ -1,7 +1,7 @@
 //! Delta form factors: what each pixel of a hemicube is worth, integrated in closed form.
 //!
 //! Cohen and Greenberg 1985 take the integrand at the centre of a pixel times its area: `1/(pi (u2 + v2 + 1)2) dA` on
-//! the top and `v/(pi (u2 + v2 + 1)2) dA` on a side, eq. 5 and 6. Here both are integrated exactly over the pixel, by
+//! the top and `v/(pi (u2 + v2 + 1)2) dA` on a side. Here both are integrated exactly over the pixel, by
 //! differences of the form factor of a rectangle with one corner on the axis, so that all pixels together are 1 at
 //! any resolution. The point formula is off by a relative `h2/24` times the integrand's relative Laplacian, with h
 //! the width of a pixel. At its worst that is `h2/3` on the top, in the middle, and `2 h2/3` on a side, straight ahead
@@ -66,7 +66,7 @@ fn strips(resolution: usize, rows: usize, lowest: f64, corner: impl Fn(f64, f64)
 }
 
 /// The form factor of the rectangle from the axis to `(u, v)` in the plane that faces the source at distance 1, odd in
-/// `u` and in `v` (Hottel and Sarofim 1967; configuration factor B-3 of Howell's catalogue).
+/// `u` and in `v`: the integral of `1/(pi (1 + u2 + v2)2)`.
 pub(super) fn top_corner(u: f64, v: f64) -> f64 {
     let term = |a: f64, b: f64| {
         let c = (1.0 + a * a).sqrt();
@@ -76,7 +76,7 @@ pub(super) fn top_corner(u: f64, v: f64) -> f64 {
 }
 
 /// The form factor of the rectangle from the foot of the axis to `(u, v)` in a plane at distance 1 that stands upright
-/// on the source's, `v` above it; odd in `u` (configuration factor B-4 of Howell's catalogue).
+/// on the source's, odd in `u`: the integral of `v/(pi (1 + u2 + v2)2)`.
 fn side_corner(u: f64, v: f64) -> f64 {
     let c = (1.0 + v * v).sqrt();
     0.5 * FRAC_1_PI * (u.atan() - (u / c).atan() / c)

@@ -6,17 +6,16 @@
 //!
 //! - Delta form factors are integrated exactly over each pixel, so a row of a closed room sums to 1 to rounding.
 //! - The cube is turned about the normal by a random angle, so that the aliasing of regular rows and columns of pixels
-//!   with walls parallel to them varies from side to side instead of adding up (Wallace, Elmquist and Haines 1989 show
-//!   what it does otherwise).
+//!   with walls parallel to them varies from side to side instead of adding up.
 //! - Several positions on a side can be averaged. One position is blind to how the view varies over the side: near
-//!   walls that touch it, that error is far larger than that of the pixels.
+//!   what touches it, that error is far larger than that of the pixels (Baum, Rushmeier and Winget 1989).
 //! - Nothing is clipped, see `raster.rs`.
 //!
 //! A pixel belongs to what covers its centre, so the error of one form factor is that of counting pixels: it falls
 //! about as 1/resolution or a little faster, and what is smaller than a pixel is hit or missed as a whole.
 //!
-//! Deliberately absent: subpixel coverage, and solids that stand on a side. Where a position lies inside a solid, it
-//! sees the solid's inside.
+//! Deliberately absent: subpixel coverage; a hierarchical z-buffer, because rooms are few layers deep and what costs is
+//! to set up small polygons; solids that stand on a side: a position inside one sees the solid's inside.
 
 mod delta;
 mod face;
@@ -190,12 +189,12 @@ impl Hemicube {
 
     /// Adds what is seen from one position to the tally.
     fn see(&mut self, scene: &Scene, stand: &Stand) {
-        #[cfg(target_arch = "x86_64")]
-        if scene.kernel == Kernel::Avx2 {
+        match scene.kernel {
+            #[cfg(target_arch = "x86_64")]
             // SAFETY: the kernel comes from `Kernel::available`, which lists AVX2 only where the processor has it.
-            return unsafe { self.see_avx2(scene, stand) };
+            Kernel::Avx2 => unsafe { self.see_avx2(scene, stand) },
+            _ => self.see_with::<Plain>(scene, stand),
         }
-        self.see_with::<Plain>(scene, stand);
     }
 
     /// All of it is inlined here and so compiled for AVX2; without fused operations, so that bits do not change.
@@ -235,7 +234,7 @@ fn stand(enclosure: &Enclosure, side: usize, settings: &Settings, index: usize) 
 ///
 /// Faces in order: top, then the sides along the first axis, against it, along the second, against it. The top has
 /// `resolution` rows along the second axis of as many pixels along the first. Sides have half as many rows, from
-/// the horizon up, of as many pixels along the other tangent.
+/// the horizon up, of as many pixels along the other tangent. A side without area has no pixels at all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ItemBuffer {
     /// Pixels along an edge.
