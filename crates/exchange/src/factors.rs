@@ -1,6 +1,7 @@
 //! Form factors of an enclosure by any method, as one symmetric operator.
 
 use crate::enclosure::Enclosure;
+use crate::kernels::hemicube;
 use crate::pairs::{self, Kernel, Tally};
 use crate::quadrature::PlaneRule;
 use crate::rows::Rows;
@@ -23,6 +24,13 @@ pub enum Method {
     Nusselt {
         /// Points along each direction.
         points: Option<usize>,
+    },
+    /// Item buffers of hemicubes.
+    Hemicube {
+        /// Pixels along an edge.
+        resolution: usize,
+        /// Hemicubes a side; none: as many as the tolerance needs.
+        positions: Option<usize>,
     },
     /// Rays, so many from every side.
     MonteCarlo {
@@ -139,6 +147,9 @@ pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control
                 }
             }
         }
+        Method::Hemicube { resolution, positions } => {
+            by_hemicubes(&enclosure, resolution, positions, settings, control)?
+        }
         Method::MonteCarlo { rays } => by_rays(&enclosure, rays, settings.seed, control)?,
     };
     let report = FactorReport { seconds: start.elapsed().as_secs_f64(), ..report };
@@ -156,6 +167,8 @@ fn forecast(sides: usize, method: Method) -> u64 {
         Method::MonteCarlo { rays } => {
             sides as u64 * u64::from(rays) * 8 + (24 * sides as u64 * u64::from(rays)).min(3 * all_pairs)
         }
+        // Rows of both ends, twice while their number is doubled, beside the pairs.
+        Method::Hemicube { .. } => 5 * all_pairs,
         _ => all_pairs,
     }
 }
@@ -163,16 +176,77 @@ fn forecast(sides: usize, method: Method) -> u64 {
 /// The greatest difference of two operators on the same sides, as a form factor of the smaller side.
 fn greatest_change(enclosure: &Enclosure, a: &Symmetric, b: &Symmetric) -> f64 {
     let (offsets, columns, before) = a.to_csr();
-    let mut worst = 0.0f64;
-    b.for_each_pair(|i, j, value| {
+    let in_first = |i: usize, j: usize| {
         let range = offsets[i]..offsets[i + 1];
-        let old = columns[range.clone()].binary_search(&(j as u32)).map_or(0.0, |k| before[range.start + k]);
-        worst = worst.max((value - old).abs() / enclosure.area(i).min(enclosure.area(j)));
-    });
+        columns[range.clone()].binary_search(&(j as u32)).map_or(0.0, |k| before[range.start + k])
+    };
+    let smaller = |i: usize, j: usize| enclosure.area(i).min(enclosure.area(j));
+    let mut worst = 0.0f64;
+    b.for_each_pair(|i, j, value| worst = worst.max((value - in_first(i, j)).abs() / smaller(i, j)));
+    // What only the first has.
+    let (offsets, columns, after) = b.to_csr();
+    let in_second = |i: usize, j: usize| {
+        let range = offsets[i]..offsets[i + 1];
+        columns[range.clone()].binary_search(&(j as u32)).map_or(0.0, |k| after[range.start + k])
+    };
+    a.for_each_pair(|i, j, value| worst = worst.max((value - in_second(i, j)).abs() / smaller(i, j)));
     worst
 }
 
 type Measured = (Symmetric, Option<Symmetric>, FactorReport);
+
+/// Hemicubes stop at so many positions on a side, whatever the tolerance.
+pub const MOST_POSITIONS: usize = 256;
+
+/// Rows by hemicubes. Where a tolerance says how many, their number is doubled until the old half and the new agree.
+fn by_hemicubes(
+    enclosure: &Enclosure,
+    resolution: usize,
+    positions: Option<usize>,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Measured, Failure> {
+    let draw = |positions: usize, round: u64| -> Result<Rows, Failure> {
+        control.expect(enclosure.sides() as u64);
+        let seed = settings.seed.wrapping_add(round.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        Ok(hemicube::rows(enclosure, &hemicube::Settings { resolution, positions, seed }, control)?)
+    };
+    if let Some(positions) = positions {
+        let (operator, disagreement) = symmetric(enclosure, &draw(positions, 0)?);
+        let samples = positions as u64;
+        let report = FactorReport { estimated_error: disagreement, disagreement, samples, ..Default::default() };
+        return Ok((operator, None, report));
+    }
+    let (mut rows, mut positions) = (draw(FIRST_POSITIONS, 0)?, FIRST_POSITIONS);
+    for round in 1.. {
+        let new = draw(positions, round)?;
+        let (old_half, _) = symmetric(enclosure, &rows);
+        let (new_half, _) = symmetric(enclosure, &new);
+        let estimated_error = 0.5 * greatest_change(enclosure, &old_half, &new_half);
+        rows = mean(&rows, &new);
+        positions *= 2;
+        if estimated_error <= settings.tolerance || positions >= MOST_POSITIONS {
+            let (operator, disagreement) = symmetric(enclosure, &rows);
+            let samples = positions as u64;
+            let report = FactorReport { estimated_error, disagreement, samples, ..Default::default() };
+            return Ok((operator, None, report));
+        }
+    }
+    unreachable!("the loop ends by returning")
+}
+
+/// Hemicubes a side to begin with.
+const FIRST_POSITIONS: usize = 4;
+
+/// The mean of two sets of rows.
+fn mean(a: &Rows, b: &Rows) -> Rows {
+    let row = |side: usize| {
+        let mut row = Vec::new();
+        merge(a.row(side), b.row(side), |j, x, y| row.push((j, 0.5 * (x + y))));
+        row
+    };
+    Rows::from_rows((0..a.len()).map(row).collect())
+}
 
 /// Independent replicates of the rows.
 const REPLICATES: u32 = 4;

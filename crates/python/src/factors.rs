@@ -74,12 +74,13 @@ pub fn given_factors(
     Ok(Factors { inner: Arc::new(inner) })
 }
 
-fn method_in(name: &str, samples: Option<u32>, _resolution: usize) -> PyResult<Method> {
+fn method_in(name: &str, samples: Option<u32>, resolution: usize) -> PyResult<Method> {
     Ok(match name {
         "auto" => Method::Auto,
         "analytic" => Method::Analytic,
         "contour" => Method::Contour,
         "nusselt" => Method::Nusselt { points: samples.map(|n| n as usize) },
+        "hemicube" => Method::Hemicube { resolution, positions: samples.map(|n| n as usize) },
         "monte_carlo" => Method::MonteCarlo { rays: samples.unwrap_or(4096) },
         _ => return Err(PyValueError::new_err(format!("there is no method '{name}'"))),
     })
