@@ -404,7 +404,7 @@ impl<'a> Task<'a> {
             }
         }
         let Scratch { hidden, kept, .. } = &mut *self.scratch;
-        Some(hidden.exchange(first, second, &blockers.list, kept, allowed, blockers.contact))
+        Some(hidden.exchange(first, second, &blockers.list, kept, whole, allowed, blockers.contact))
     }
 
     /// The exchange if nothing stood between, and whether the pair is well apart.

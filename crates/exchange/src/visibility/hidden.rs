@@ -2,12 +2,14 @@
 //!
 //! The visible part of one polygon from a point of the other is exact ([`Fragments`]); what is left is an integral over
 //! the other. Its integrand is continuous, with kinks where a corner passes behind an edge, and jumps only where a
-//! blocker stands on the polygon: there it is cut first. The rest is adaptive: triangles with the seven points of
-//! Radon (1948), halved where the estimate of the error is largest until its sum is small enough.
+//! blocker stands on the polygon: there it is cut first. What is hidden by something small and near changes within that distance, which a few points
+//! would miss: so cells are halved until none is larger than a blocker beside it is narrow or far, unless all they
+//! could add is nothing that matters. The rest is adaptive: triangles with the seven points of Radon (1948), halved where
+//! the estimate of the error is largest until its sum is small enough.
 
-use super::blockers::Blocker;
+use super::blockers::{Blocker, vector_area};
 use super::fragments::Fragments;
-use crate::facets::Facet;
+use crate::facets::{Bounds, Facet};
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -42,13 +44,14 @@ pub struct Hidden {
 }
 
 impl Hidden {
-    /// The part of `A1 F12`, m2, that blockers take from the unoccluded exchange, to about `tolerance` m2.
+    /// The part of `A1 F12`, m2, that blockers take from the unoccluded exchange `whole`, to about `tolerance` m2.
     pub fn exchange(
         &mut self,
         first: End,
         second: End,
         blockers: &[Blocker],
         candidates: &[u32],
+        whole: f64,
         tolerance: f64,
         contact: f64,
     ) -> Estimate {
@@ -63,6 +66,7 @@ impl Hidden {
         let (source, target, feet) = if from_first { (first, second, feet1) } else { (second, first, feet2) };
         self.order_by_size(source, blockers, candidates);
         let Self { fragments, heap, order } = self;
+        let near: Vec<Near> = order.iter().map(|&k| Near::new(&blockers[k as usize])).collect();
         let normal = source.facet.normal;
         let mut hidden = |x: DVec3| {
             let whole = fragments.visible(x, normal, target.polygon, std::iter::empty(), contact);
@@ -70,9 +74,20 @@ impl Hidden {
             whole - fragments.visible(x, normal, target.polygon, list, contact)
         };
         heap.clear();
-        for cell in cut_at(source, &feet, contact) {
-            for pair in cell[1..].windows(2) {
-                heap.extend(Cell::new([cell[0], pair[0], pair[1]], &mut hidden));
+        // No point hides more of the target than all of it, and that is seldom more than four times the mean.
+        let negligible = if whole > 0.0 { 0.1 * tolerance * source.facet.area / (4.0 * whole) } else { 0.0 };
+        let mut waiting: Vec<[DVec3; 3]> = cut_at(source, &feet, contact)
+            .iter()
+            .flat_map(|cell| cell[1..].windows(2).map(|pair| [cell[0], pair[0], pair[1]]))
+            .collect();
+        while let Some(triangle) = waiting.pop() {
+            let is_coarse = waiting.len() + heap.len() < MOST_FIRST_CELLS
+                && 2.0 * area_of(&triangle) > negligible
+                && near.iter().any(|n| n.is_coarse(&triangle));
+            if is_coarse {
+                waiting.extend(quarters(&triangle));
+            } else {
+                heap.extend(Cell::new(triangle, &mut hidden));
             }
         }
         refine(heap, tolerance, &mut hidden)
@@ -90,6 +105,44 @@ impl Hidden {
         self.order.extend_from_slice(candidates);
         self.order.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
     }
+}
+
+/// Cells to begin with at most.
+const MOST_FIRST_CELLS: usize = 4_000;
+
+/// How finely what a blocker hides varies near it.
+struct Near {
+    bounds: Bounds,
+    /// Its narrower extent.
+    width: f64,
+}
+
+impl Near {
+    fn new(blocker: &Blocker) -> Self {
+        let corners = &blocker.corners;
+        let longest = (0..corners.len()).map(|k| corners[k].distance(corners[(k + 1) % corners.len()]));
+        let longest = longest.fold(0.0, f64::max);
+        Self { bounds: blocker.bounds, width: vector_area(corners).length() / longest }
+    }
+
+    /// Whether what it hides may vary within a triangle more than a few points tell.
+    fn is_coarse(&self, triangle: &[DVec3; 3]) -> bool {
+        let [a, b, c] = *triangle;
+        let size = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        let middle = (a + b + c) / 3.0;
+        let apart = middle.clamp(self.bounds.low, self.bounds.high).distance(middle);
+        size > 1.5 * apart.max(self.width)
+    }
+}
+
+fn area_of([a, b, c]: &[DVec3; 3]) -> f64 {
+    0.5 * (*b - *a).cross(*c - *a).length()
+}
+
+/// A triangle cut at the middles of its edges.
+fn quarters([a, b, c]: &[DVec3; 3]) -> [[DVec3; 3]; 4] {
+    let (ab, bc, ca) = (0.5 * (*a + *b), 0.5 * (*b + *c), 0.5 * (*c + *a));
+    [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]]
 }
 
 /// A triangle with the integral over it.
@@ -129,7 +182,7 @@ impl Cell {
     /// None if the triangle has no area.
     fn new(corners: [DVec3; 3], f: &mut impl FnMut(DVec3) -> f64) -> Option<Self> {
         let [a, b, c] = corners;
-        let area = 0.5 * (b - a).cross(c - a).length();
+        let area = area_of(&corners);
         if area == 0.0 {
             return None;
         }
@@ -157,10 +210,7 @@ impl Cell {
 
     /// The four halves.
     fn split(&self, f: &mut impl FnMut(DVec3) -> f64) -> impl Iterator<Item = Cell> {
-        let [a, b, c] = self.corners;
-        let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
-        let mut children: Vec<Cell> =
-            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().filter_map(|t| Cell::new(t, f)).collect();
+        let mut children: Vec<Cell> = quarters(&self.corners).into_iter().filter_map(|t| Cell::new(t, f)).collect();
         // What the halves changed is the error the whole had. Smooth parts lose nearly all of it, kinks about half;
         // the halves share that by how rough they look themselves.
         let change = (self.value - children.iter().map(|c| c.value).sum::<f64>()).abs();
