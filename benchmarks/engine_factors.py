@@ -45,8 +45,9 @@ def run(of: Scene, args: argparse.Namespace) -> radiosity.FormFactors:
     """The operator from arrays in memory."""
     enclosure = radiosity.Scene([radiosity.Surface(of.vertices, of.faces, 0.5, 1.0, "x")])
     patches = enclosure.patches(as_is=True)
-    chosen = {} if args.rays is None else {"rays": args.rays}
-    return radiosity.form_factors(patches, method="auto", tolerance=args.tolerance, threads=args.threads, **chosen)
+    if args.rays is not None:
+        return radiosity.form_factors(patches, method="monte_carlo", rays=args.rays, threads=args.threads)
+    return radiosity.form_factors(patches, method="auto", tolerance=args.tolerance, threads=args.threads)
 
 
 if __name__ == "__main__":

@@ -71,7 +71,7 @@ def plate(name: str) -> Scene:
     """Two facing unit squares at gap 1 and, midway, both sides of a centred square of half the size."""
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
     small = 0.25 + 0.5 * square
-    up, down = square, square[::-1] + [0, 0, 1]
+    up, down = square, np.add(square[::-1], [0, 0, 1])
     quads = np.stack([up, down, small[::-1] * [1, 1, 0] + [0, 0, 0.5], small * [1, 1, 0] + [0, 0, 0.5]])
     vertices, faces = weld(quads)
     return Scene(name, vertices, faces, False, True, plate_factors)
@@ -152,7 +152,7 @@ def solid(origin: Array, edges: Array, n: int) -> list[Array]:
 
 
 def rectangle(origin: Array, u: Array, v: Array, nu: int, nv: int) -> Array:
-    """nu x nv quadrilaterals of a rectangle with normal u x v, (nu * nv, 4, 3)."""
+    """A rectangle with normal u x v as nu x nv quadrilaterals, (nu * nv, 4, 3)."""
     s, t = (np.arange(n + 1)[:, None] / n for n in (nu, nv))
     grid = origin + s[:, None] * u + t[None] * v
     corners = [grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]]

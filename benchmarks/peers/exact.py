@@ -1,6 +1,6 @@
 """Form factors of chosen pairs of an occluded scene, independent of this engine; needs NumPy, SciPy and Numba.
 
-    python -m peers.exact SCENE OUT.npz [--pairs 4000] [--error 1e-8] [--relative 3e-4] [--seed 1]
+    python -m peers.exact SCENE OUT.npz [--pairs 2000] [--error 5e-8] [--relative 1e-3] [--seed 1]
 
 From a point the factor to the visible part of a polygon is exact: every polygon in between is cut to the near side of
 the receiver's plane, its cone is subtracted from the receiver, and Lambert's formula gives the factor of what is left.
@@ -44,9 +44,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Exact form factors of a sample of pairs")
     parser.add_argument("scene")
     parser.add_argument("out")
-    parser.add_argument("--pairs", type=int, default=4000)
-    parser.add_argument("--error", type=float, default=1e-8, help="standard error that is always good enough")
-    parser.add_argument("--relative", type=float, default=3e-4, help="standard error over factor that is good enough")
+    parser.add_argument("--pairs", type=int, default=2000)
+    parser.add_argument("--error", type=float, default=5e-8, help="standard error that is always good enough")
+    parser.add_argument("--relative", type=float, default=1e-3, help="good enough too, up to 10 times the error")
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
     of = scene(args.scene)
@@ -85,7 +85,16 @@ def facing(of: Scene, pairs: Ints) -> Ints:
 def factors(
     of: Scene, pairs: Ints, error: float, seed: int, *, relative: float = 0.0, occluded: bool = True
 ) -> Estimate:
-    """F from the first to the second of every pair, to a standard error of ``error`` or of ``relative`` times F."""
+    """F from the first to the second of every pair.
+
+    Args:
+        of: the scene.
+        pairs: (k, 2).
+        error: a standard error of every F that is good enough.
+        seed: of the points.
+        relative: a standard error over F that is good enough too, as long as it is no more than 10 ``error``.
+        occluded: whether polygons hide one another.
+    """
     p, n = of.polygons, of.normals
     blockers = [between(p, n, i, j) if occluded else np.zeros(0, np.int64) for i, j in pairs]
     starts = np.concatenate([[0], np.cumsum([len(b) for b in blockers])]).astype(np.int64)
@@ -97,7 +106,8 @@ def factors(
     for unit in points:
         values[todo] = replicates(p, n, pairs[todo], blockers, starts[todo], starts[todo + 1], unit)
         used[todo] = unit.shape[0] * unit.shape[1]
-        todo = todo[standard_error(values[todo]) > np.maximum(error, relative * values[todo].mean(axis=1))]
+        wanted = np.clip(relative * values[todo].mean(axis=1), error, 10 * error)
+        todo = todo[standard_error(values[todo]) > wanted]
         if not len(todo):
             break
     return Estimate(values.mean(axis=1), standard_error(values), used)
@@ -215,7 +225,7 @@ def from_point(x, normal, p, n, j, blockers, pieces):
 
 @njit(cache=True)
 def cone(corners, count, planes):
-    """Inward normals of the planes through the eye and the edges of a convex polygon; 0 of them if it is seen edge on."""
+    """Inward normals of the planes through the eye and the edges of a convex polygon; none if seen edge on."""
     if count < 3:
         return 0
     centre = np.zeros(3)
@@ -252,6 +262,8 @@ def subtract(piece, count, planes, sides, out, counts, kept, scratch):
     rest = scratch[1]
     rest[:count] = piece[:count]
     for s in range(sides):
+        if kept >= PIECES - 1 or count >= CORNERS - 2:
+            raise ValueError("a view in more pieces than there is room for; raise PIECES and CORNERS")
         left = clip(rest, count, -planes[s], 0.0, out[kept])
         if left >= 3:
             counts[kept] = left
@@ -313,8 +325,16 @@ def brute_force(of: Scene, pair: Ints, points: int, seed: int) -> tuple[float, f
 
 def uniform(q: Array, count: int, rng: np.random.Generator) -> Array:
     """Random points of a polygon, (count, 3)."""
-    s, t = rng.random((2, count))
-    return np.array([on_polygon(q, a, b) for a, b in zip(s, t, strict=True)])
+    return placed(q, rng.random((count, 2)))
+
+
+@njit(cache=True)
+def placed(q, unit):
+    """Points of a polygon from points of the unit square, (count, 3)."""
+    out = np.empty((len(unit), 3))
+    for k in range(len(unit)):
+        out[k] = on_polygon(q, unit[k, 0], unit[k, 1])
+    return out
 
 
 def crosses(x: Array, d: Array, q: Array, normal: Array) -> NDArray[np.bool_]:
