@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Install the renderers that the benchmark compares with, in their own environment benchmarks/.peers.
+# Install the programs that the benchmarks compare with, in their own environment benchmarks/.peers.
 #
-#   benchmarks/peers/setup.sh              uses python3.11 where there is one (bpy 4.5 needs it)
+#   benchmarks/peers/setup.sh              the renderers of cornell.py; uses python3.11 where there is one (bpy needs it)
+#   benchmarks/peers/setup.sh view-factors the view-factor programs of factors.py, without the renderers
 #   PYTHON=/path/to/python3.11 benchmarks/peers/setup.sh
 #
 # What cannot be installed is explained and left out; the benchmark then reports it as not available.
@@ -22,6 +23,17 @@ install() {
 }
 
 [ -x "$venv/bin/python" ] || "$python" -m venv "$venv" || exit 1
+
+if [ "${1:-renderers}" = view-factors ]; then
+    install "pyviewfactor==1.1.0" numpy ||
+        explain "pyviewfactor 1.1.0 could not be installed from PyPI."
+    install "raystrack==2.0.0" scipy numpy ||
+        explain "raystrack 2.0.0, Numba and SciPy could not be installed; the exact values of pairs need the last two."
+    [ -n "${VIEW3D:-}" ] || command -v View3D >/dev/null || command -v view3d >/dev/null ||
+        explain "View3D is not on PyPI. If you have its executable, set VIEW3D to its path or put it in PATH."
+    [ "$missing" = 0 ] && echo "All view-factor programs are ready in benchmarks/$venv."
+    exit 0
+fi
 
 install "mitsuba==3.9.1" numpy ||
     explain "Mitsuba 3.9.1 could not be installed from PyPI."
