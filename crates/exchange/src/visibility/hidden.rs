@@ -178,6 +178,9 @@ const ORBITS: [(f64, f64); 2] =
     [(0.101_286_507_323_456_34, 0.125_939_180_544_827_15), (0.470_142_064_105_115_1, 0.132_394_152_788_506_2)];
 const CENTRE: f64 = 0.225;
 
+/// How far corners are moved toward the middle.
+const CORNER_INSET: f64 = 1e-3;
+
 impl Cell {
     /// None if the triangle has no area.
     fn new(corners: [DVec3; 3], f: &mut impl FnMut(DVec3) -> f64) -> Option<Self> {
@@ -205,6 +208,11 @@ impl Cell {
                 (value - ((1.0 - weight) * middle + weight / 3.0 * sum)).abs()
             })
             .fold(0.0, f64::max);
+        // So do its corners. What is all but hidden comes into view at a corner first: from where a single convex
+        // blocker hides all of the target is a convex set. Corners themselves may lie in a blocker's plane.
+        let mut inset = |p: DVec3| f(p + CORNER_INSET * ((a + b + c) / 3.0 - p));
+        let by_corners = 0.75 * middle + corners.map(&mut inset).iter().sum::<f64>() / 12.0;
+        let roughness = roughness.max((value - by_corners).abs());
         Some(Self { corners, value: area * value, roughness: area * roughness, error: area * roughness })
     }
 

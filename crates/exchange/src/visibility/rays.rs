@@ -13,7 +13,7 @@ use radiosity_geometry::bvh::Ray;
 use radiosity_geometry::sampling::Sequence;
 
 /// The most lines between two facets: more cost more than to integrate what is visible.
-const MOST_RAYS: usize = 2048;
+const MOST_RAYS: usize = 512;
 
 /// The fewest.
 const LEAST_RAYS: usize = 4;
