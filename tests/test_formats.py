@@ -120,7 +120,7 @@ def test_the_cube_of_view3d_has_its_factors(tmp_path: Path) -> None:
     scene = load(tmp_path / "cube.vs3")
     assert [s.name for s in scene.surfaces] == ["zeq0", "xeq0", "yeq0", "zeq1", "xeq1", "yeq1"]
     assert scene.surfaces[0].reflectance == [0.5]
-    assert scene.hints == {"tolerance": 1e-3, "enclosure": 1, "row": 3}
+    assert scene.hints == {"tolerance": pytest.approx(1e-3), "enclosure": True, "row": 3}
     factors = form_factors(scene.patches(as_is=True), rays=RAYS)
     exact = np.full((6, 6), ADJACENT)
     exact[np.arange(6), np.arange(6)], exact[np.arange(6), (np.arange(6) + 3) % 6] = 0, OPPOSITE
@@ -162,7 +162,7 @@ def test_enclosures_are_checked_where_asked(run: Runner) -> None:
     open_cube.surfaces.pop()
     assert "open-edges" not in [f.code for f in open_cube.findings()]
     assert "open-edges" in [f.code for f in open_cube.findings(enclosure=True)]
-    open_cube.hints["enclosure"] = 1
+    open_cube.hints["enclosure"] = True
     assert "open-edges" in [f.code for f in open_cube.findings()]
     assert "open-edges" not in [f.code for f in open_cube.findings(enclosure=False)]
 

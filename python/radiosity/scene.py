@@ -202,8 +202,9 @@ class Scene:
             ignored, and pictures and saved solutions leave them out.
         combined: index of a surface -> index of the surface it counts with in tables of factors, which itself counts
             with none. Files in View3D's format have it.
-        hints: what the file asks of a computation of factors, by name: ``tolerance``, ``enclosure`` and ``emissivity``
-            (1 if wanted), ``row`` and ``column`` (index of the only surface wanted). Nothing obeys it by itself.
+        hints: what the file asks of a computation of factors, by name: ``tolerance``, ``enclosure`` (the surfaces
+            enclose a space) and ``emissivity`` (factors with reflections), both True, ``row`` and ``column`` (index of
+            the only surface wanted). Only :meth:`findings` obeys any of it.
     """
 
     surfaces: list[Surface]
@@ -214,7 +215,7 @@ class Scene:
     loading_findings: list[Finding] = field(default_factory=list, repr=False)
     obstructions: list[Surface] = field(default_factory=list)
     combined: dict[int, int] = field(default_factory=dict)
-    hints: dict[str, float] = field(default_factory=dict)
+    hints: dict[str, float | int | bool] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.surfaces, self.lights, self.cameras = list(self.surfaces), list(self.lights), list(self.cameras)
@@ -264,6 +265,8 @@ class Scene:
         ]  # fmt: skip
         lights, cameras = [light._tuple(n) for light in self.lights], [camera._tuple() for camera in self.cameras]
         bands, combined = list(self.bands), dict(self.combined)
+        if any(index < 0 for pair in combined.items() for index in pair):
+            raise SceneError(f"{self.name}: combined has a negative index; surfaces count from 0")
         return _native.Scene(self.name, bands, surfaces, lights, cameras, obstructions, combined)
 
     def findings(self, *, enclosure: bool | None = None) -> list[Finding]:
@@ -332,6 +335,10 @@ def _band_names(n: int) -> list[str]:
 
 def load(path: str | os.PathLike[str], *, unit: str = "m", two_sided: bool | None = None) -> Scene:
     """Read a scene from a ``.glb``, ``.gltf``, ``.obj``, ``.stl``, ``.ply`` or ``.vs3`` file.
+
+    Surfaces of an ``.obj`` file are two-sided unless told otherwise. Those of ``.stl``, ``.ply`` and ``.vs3`` are
+    one-sided, with the front that the order of corners says; the first two have no materials, and reflectance 0.5 is
+    taken. A ``.vs3`` file may also fill ``obstructions``, ``combined`` and ``hints``.
 
     Args:
         path: the file.

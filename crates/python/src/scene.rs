@@ -4,9 +4,10 @@ use crate::{convert, errors, patches};
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use radiosity_scene::meshing::{self, Meshing};
 use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Unit, builtin as builtins};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -75,18 +76,20 @@ impl Scene {
     }
 
     /// What the file asks of a computation of factors, by name; what it does not ask is left out.
-    fn hints(&self) -> HashMap<&'static str, f64> {
-        let hints = &self.inner.hints;
-        let flag = |is_set: bool| is_set.then_some(1.0);
-        let index = |surface: Option<usize>| surface.map(|index| index as f64);
-        let named = [
-            ("tolerance", hints.tolerance),
-            ("enclosure", flag(hints.enclosure)),
-            ("emissivity", flag(hints.emissivity)),
-            ("row", index(hints.row)),
-            ("column", index(hints.column)),
-        ];
-        named.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
+    fn hints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (hints, named) = (&self.inner.hints, PyDict::new(py));
+        if let Some(tolerance) = hints.tolerance {
+            named.set_item("tolerance", tolerance)?;
+        }
+        for (name, _) in [("enclosure", hints.enclosure), ("emissivity", hints.emissivity)].iter().filter(|h| h.1) {
+            named.set_item(name, true)?;
+        }
+        for (name, surface) in [("row", hints.row), ("column", hints.column)] {
+            if let Some(index) = surface {
+                named.set_item(name, index)?;
+            }
+        }
+        Ok(named)
     }
 
     fn lights(&self) -> Vec<LightTuple> {

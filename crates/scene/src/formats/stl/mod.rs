@@ -96,7 +96,7 @@ impl Solid {
     /// Adds a polygon with the normal that the file gives, which may be zero for none.
     fn push(&mut self, corners: &[DVec3], normal: DVec3) {
         let winding = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        // Half the cosine of what a rounded normal could be off by leaves no doubt.
+        // Rounding alone never turns a normal this far.
         if winding.normalize_or_zero().dot(normal.normalize_or_zero()) < -0.5 {
             self.contradicted += 1;
         }

@@ -7,11 +7,9 @@ use glam::DVec3;
 /// Distances below this part of the polygon's extent count as none.
 const ROUNDING: f64 = 1e-7;
 
-/// How far corners may leave the plane of the base, relative to its extent; as in View3D.
-const PLANARITY: f64 = 1e-5;
-
-/// The relative deviation of areas that says that polygons overlap.
-const OVERLAP: f64 = 1e-6;
+/// How far corners may leave their base, relative to its extent, and how far parts may overlap. View3D has the same
+/// tolerance; files carry few digits.
+const SLACK: f64 = 1e-5;
 
 /// Convex pieces of a polygon, in its plane.
 pub(super) struct Cover {
@@ -46,9 +44,8 @@ impl Misfit {
 impl Cover {
     /// The whole polygon, convex and counter-clockwise.
     pub fn new(base: &[DVec3]) -> Self {
-        let extent = base.iter().flat_map(|p| base.iter().map(move |q| p.distance(*q))).fold(0.0, f64::max);
         let normal = vector_area(base).normalize_or_zero();
-        Self { base: base.to_vec(), normal, extent, pieces: vec![base.to_vec()] }
+        Self { base: base.to_vec(), normal, extent: extent(base), pieces: vec![base.to_vec()] }
     }
 
     /// Takes a convex polygon away that turns as the base does.
@@ -58,23 +55,22 @@ impl Cover {
         let pieces = std::mem::take(&mut self.pieces);
         self.pieces = pieces.into_iter().flat_map(|piece| self.without(piece, hole)).collect();
         let taken = vector_area(hole).length();
-        let missing = before - self.area() - taken;
-        if missing.abs() > OVERLAP * (taken + self.extent * self.extent * ROUNDING) {
-            Err(Misfit::Overlap)
-        } else {
-            Ok(())
-        }
+        let missing = (before - self.area() - taken).abs();
+        if missing > self.slack() * extent(hole) { Err(Misfit::Overlap) } else { Ok(()) }
+    }
+
+    fn slack(&self) -> f64 {
+        SLACK * self.extent
     }
 
     fn check(&self, hole: &[DVec3]) -> Result<(), Misfit> {
-        if hole.iter().any(|p| (*p - self.base[0]).dot(self.normal).abs() > PLANARITY * self.extent) {
+        if hole.iter().any(|p| (*p - self.base[0]).dot(self.normal).abs() > self.slack()) {
             return Err(Misfit::OffPlane);
         }
         if vector_area(hole).dot(self.normal) <= 0.0 {
             return Err(Misfit::Turned);
         }
-        let slack = PLANARITY * self.extent;
-        let is_outside = |(a, b): (DVec3, DVec3)| hole.iter().any(|&p| self.height(a, b, p) < -slack);
+        let is_outside = |(a, b): (DVec3, DVec3)| hole.iter().any(|&p| self.height(a, b, p) < -self.slack());
         if edges(&self.base).any(is_outside) { Err(Misfit::Outside) } else { Ok(()) }
     }
 
@@ -179,6 +175,11 @@ fn edges(polygon: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
     (0..polygon.len()).map(|i| (polygon[i], polygon[(i + 1) % polygon.len()]))
 }
 
+/// The longest distance between corners.
+fn extent(polygon: &[DVec3]) -> f64 {
+    polygon.iter().flat_map(|p| polygon.iter().map(move |q| p.distance(*q))).fold(0.0, f64::max)
+}
+
 fn vector_area(polygon: &[DVec3]) -> DVec3 {
     let origin = polygon[0];
     0.5 * polygon.windows(2).map(|edge| (edge[0] - origin).cross(edge[1] - origin)).sum::<DVec3>()
@@ -226,6 +227,13 @@ mod tests {
         let expected = vector_area(&wall) * (12.0 - 2.0 - 2.0 - 3.0) / 12.0;
         assert!((total(&faces) - expected).length() < 1e-12);
         assert!(remainder(&wall, std::slice::from_ref(&wall)).unwrap().is_empty());
+    }
+
+    #[test]
+    fn rounded_corners_fit() {
+        let thirds = [rectangle([0., 0.], [1.333335, 3.]), rectangle([1.333333, 0.], [2.666667, 3.000001])];
+        let faces = remainder(&rectangle([0., 0.], [4., 3.]), &thirds).unwrap();
+        assert!((total(&faces).length() - vector_area(&thirds[0]).length()).abs() < 1e-4);
     }
 
     #[test]

@@ -228,7 +228,7 @@ impl<'a> Builder<'a> {
         let found = &mut self.scene.findings;
         let controls = &self.document.controls;
         if !controls.ignored.is_empty() {
-            let message = format!("{} have no meaning here and were ignored", controls.ignored.join(", "));
+            let message = format!("controls without meaning here were ignored: {}", controls.ignored.join(", "));
             found.push(Finding::note("ignored-controls", "", message));
         }
         for (what, number) in [("row", controls.row), ("col", controls.column)] {
