@@ -1,6 +1,6 @@
 //! How long all pairs take: cubes, a room with a box, a rough terrain.
 //!
-//!     cargo run --release -p radiosity-exchange --example pairs_speed [TOLERANCE]
+//!     cargo run --release -p radiosity-exchange --example pairs_speed [SCENE [TOLERANCE ...]]
 
 use glam::DVec3;
 use radiosity_exchange::Enclosure;
@@ -59,20 +59,21 @@ fn all(polygons: Vec<[DVec3; 4]>) -> Patches {
 }
 
 fn main() {
-    let tolerances: Vec<f64> = std::env::args().skip(1).map(|a| a.parse().expect("a tolerance")).collect();
+    let only = std::env::args().nth(1).unwrap_or_default();
+    let tolerances: Vec<f64> = std::env::args().skip(2).map(|a| a.parse().expect("a tolerance")).collect();
     let tolerances = if tolerances.is_empty() { vec![1e-3] } else { tolerances };
     for (name, patches) in [
-        ("cube", cube(20)),
-        ("cube", cube(32)),
-        ("cube", cube(50)),
-        ("terrain, smooth", terrain(32, 0.0)),
-        ("terrain, rough", terrain(32, 0.8)),
-        ("terrain, smooth", terrain(71, 0.0)),
+        ("cube-2400", cube(20)),
+        ("cube-6144", cube(32)),
+        ("cube-15000", cube(50)),
+        ("smooth-2048", terrain(32, 0.0)),
+        ("rough-2048", terrain(32, 0.8)),
+        ("smooth-10082", terrain(71, 0.0)),
     ] {
-        let n = patches.len();
-        if n > 2100 {
+        if !name.contains(&only) {
             continue;
         }
+        let n = patches.len();
         let area = patches.area.clone();
         let enclosure = Enclosure::new(patches);
         for &tolerance in &tolerances {

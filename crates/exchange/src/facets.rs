@@ -91,6 +91,13 @@ impl Bounds {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
 
+    /// The squares of the least and the greatest distance of points of two boxes.
+    pub fn distances_squared(&self, other: &Self) -> (f64, f64) {
+        let gap = (other.low - self.high).max(self.low - other.high).max(DVec3::ZERO);
+        let span = (other.high - self.low).max(self.high - other.low);
+        (gap.length_squared(), span.length_squared())
+    }
+
     /// The least and the greatest of `normal . point` over the box.
     #[inline]
     pub fn extent_along(&self, normal: DVec3) -> (f64, f64) {
@@ -106,6 +113,8 @@ pub struct Node {
     pub range: std::ops::Range<usize>,
     /// Around all their corners.
     pub bounds: Bounds,
+    /// The least and the greatest radius among them.
+    pub radii: (f64, f64),
     /// Where the two halves are; none of a leaf.
     pub children: Option<[usize; 2]>,
 }
@@ -151,7 +160,8 @@ impl Facets {
 fn divide(run: &mut [Facet], first: usize, turn: f64, nodes: &mut Vec<Node>) -> usize {
     let number = nodes.len();
     let bounds = Bounds::of(run.iter().flat_map(|f| f.corners().to_vec()));
-    nodes.push(Node { range: first..first + run.len(), bounds, children: None });
+    let radii = run.iter().fold((f64::INFINITY, 0.0f64), |(l, h), f| (l.min(f.radius), h.max(f.radius)));
+    nodes.push(Node { range: first..first + run.len(), bounds, radii, children: None });
     if run.len() > LEAF {
         // Along whichever of six coordinates, three of place and three of direction, the run is longest.
         let coordinate = |f: &Facet, k: usize| if k < 3 { f.centre[k] } else { turn * f.normal[k - 3] };

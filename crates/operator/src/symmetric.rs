@@ -17,7 +17,7 @@ pub struct Symmetric {
 
 /// Consecutive rows: of row p the columns above p.
 #[derive(Clone, Debug)]
-struct Block {
+pub struct Block {
     rows: Range<usize>,
     entries: Entries,
 }
@@ -37,15 +37,13 @@ const SPARSE_BELOW: f64 = 0.6;
 const GROUPS: usize = 16;
 
 impl Symmetric {
-    /// Joins blocks of rows that follow each other: each is the concatenated upper rows, all columns above the
-    /// diagonal, by position in `order`.
+    /// Joins blocks of rows that follow each other, by position in `order`.
     ///
     /// # Panics
     /// If the blocks do not cover all positions.
-    pub fn from_dense_blocks(len: usize, order: Vec<u32>, blocks: Vec<(Range<usize>, Vec<f64>)>) -> Self {
-        let n = order.len();
-        assert_eq!(blocks.iter().map(|(rows, _)| rows.len()).sum::<usize>(), n, "blocks cover all rows");
-        let blocks = blocks.into_par_iter().map(|(rows, values)| Block::new(n, rows, values)).collect();
+    pub fn from_blocks(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Self {
+        let covered = blocks.iter().fold(0, |next, b| if b.rows.start == next { b.rows.end } else { usize::MAX });
+        assert_eq!(covered, order.len(), "blocks cover all rows in order");
         Self { len, order, blocks }
     }
 
@@ -222,7 +220,8 @@ impl Entries {
 }
 
 impl Block {
-    fn new(n: usize, rows: Range<usize>, values: Vec<f64>) -> Self {
+    /// Upper rows of a matrix of `n`, one after the other, all columns above the diagonal.
+    pub fn new(n: usize, rows: Range<usize>, values: Vec<f64>) -> Self {
         let filled = values.iter().filter(|v| **v != 0.0).count();
         if filled as f64 >= SPARSE_BELOW * values.len() as f64 {
             return Self { rows, entries: Entries::Dense(values) };
@@ -393,7 +392,7 @@ mod tests {
 
     #[test]
     fn numbers_without_a_row_have_none() {
-        let operator = Symmetric::from_dense_blocks(4, vec![3, 0], vec![(0..2, vec![0.5])]);
+        let operator = Symmetric::from_blocks(4, vec![3, 0], vec![Block::new(2, 0..2, vec![0.5])]);
         assert_eq!(operator.row_sums(), [0.5, 0.0, 0.0, 0.5]);
         assert_eq!(operator.row(1), []);
     }

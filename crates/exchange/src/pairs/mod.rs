@@ -27,7 +27,7 @@ use crate::visibility::shaft::{Sight, between};
 use crate::visibility::{Blockers, Shaft};
 use glam::DVec3;
 use nodes::Nodes;
-use radiosity_operator::{Cancelled, Control, Symmetric};
+use radiosity_operator::{Block, Cancelled, Control, Symmetric};
 use rayon::prelude::*;
 
 /// The method for what two facets exchange unoccluded.
@@ -131,13 +131,14 @@ pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) ->
             task.tally.rays = std::mem::take(&mut task.scratch.rays.cast);
             let pairs: usize = rows.clone().map(|i| n - 1 - i).sum();
             control.advance(pairs as u64);
-            Ok((rows, task.values, task.tally))
+            // Compressed while it is at hand, which is soonest, and so that sparse rows never take dense memory at once.
+            Ok((Block::new(n, rows, task.values), task.tally))
         })
         .collect::<Result<_, Cancelled>>()?;
-    let tally = measured.iter().fold(Tally::default(), |sum, m| sum.plus(m.2));
-    let blocks = measured.into_iter().map(|(rows, values, _)| (rows, values)).collect();
+    let tally = measured.iter().fold(Tally::default(), |sum, m| sum.plus(m.1));
+    let blocks = measured.into_iter().map(|m| m.0).collect();
     let order = scene.facets.list.iter().map(|f| f.side).collect();
-    Ok((Symmetric::from_dense_blocks(enclosure.sides(), order, blocks), tally))
+    Ok((Symmetric::from_blocks(enclosure.sides(), order, blocks), tally))
 }
 
 /// What all tasks read.
@@ -185,6 +186,9 @@ enum Side {
     Behind,
     Across,
 }
+
+/// An order so cheap that it is not worth finding out for which pairs a cheaper one would do.
+const CHEAP_ORDER: usize = 1;
 
 /// Where so much error is allowed, relative to the unoccluded exchange, some ten rays tell of most pairs.
 const FEW_RAYS_ERROR: f64 = 0.04;
@@ -239,15 +243,28 @@ impl<'a> Task<'a> {
     /// All pairs with one leaf.
     fn leaf(&mut self, target: &Node, candidates: &[u32]) {
         let facets = &self.scene.facets.list;
-        let sides: Vec<Side> = target.range.clone().map(|j| self.side_of(&facets[j], &self.node.bounds)).collect();
-        for i in self.node.range.clone() {
-            let side = self.side_of(&facets[i], &target.bounds);
+        let from_there: Vec<(f64, f64)> =
+            target.range.clone().map(|j| heights_of(&facets[j], &self.node.bounds)).collect();
+        let from_here: Vec<(f64, f64)> =
+            self.node.range.clone().map(|i| heights_of(&facets[i], &target.bounds)).collect();
+        let contact = self.scene.blockers.contact;
+        let all_behind = |heights: &[(f64, f64)]| heights.iter().all(|h| h.1 <= contact);
+        if all_behind(&from_here) || all_behind(&from_there) {
+            return;
+        }
+        if candidates.is_empty()
+            && let Some(order) = self.order_for_all(target, &from_here, &from_there)
+        {
+            return self.all_in_view(target, order);
+        }
+        for (i, &(low, high)) in self.node.range.clone().zip(&from_here) {
+            let side = self.judge(low, high);
             if side == Side::Behind {
                 continue;
             }
             self.scratch.batch.clear();
-            for j in target.range.clone().filter(|&j| j > i) {
-                match sides[j - target.range.start] {
+            for (j, &(low, high)) in target.range.clone().zip(&from_there).filter(|(j, _)| *j > i) {
+                match self.judge(low, high) {
                     Side::Behind => {}
                     Side::Front if side == Side::Front => self.in_front(i, j, candidates),
                     _ => self.across(i, j, candidates),
@@ -257,11 +274,35 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// Where a box lies by a facet's plane.
-    fn side_of(&self, facet: &Facet, bounds: &Bounds) -> Side {
-        let (low, high) = bounds.extent_along(facet.normal);
-        let offset = facet.normal.dot(facet.centre);
-        self.judge(low - offset, high - offset)
+    /// The order that serves all pairs with a leaf which is wholly in front and they of it, if one does.
+    fn order_for_all(&self, target: &Node, here: &[(f64, f64)], there: &[(f64, f64)]) -> Option<usize> {
+        let range = |heights: &[(f64, f64)]| {
+            heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x.0), h.max(x.1)))
+        };
+        let (here, there) = (range(here), range(there));
+        let in_front = here.0 >= 0.0 && there.0 >= 0.0;
+        if !(in_front && matches!(self.scene.settings.kernel, Kernel::Auto)) {
+            return None;
+        }
+        let (near, far) = self.node.bounds.distances_squared(&target.bounds);
+        let (small, large) = (self.node.radii.0 + target.radii.0, self.node.radii.1 + target.radii.1);
+        let orders = &self.scene.orders;
+        let enough = orders.choose(near, large, here.0, there.0)?;
+        (enough <= CHEAP_ORDER || Some(enough) == orders.choose(far, small, here.1, there.1)).then_some(enough)
+    }
+
+    /// All pairs with a leaf by one order, nothing between.
+    fn all_in_view(&mut self, target: &Node, order: usize) {
+        for i in self.node.range.clone() {
+            let run = target.range.start.max(i + 1)..target.range.end;
+            let count = run.len();
+            self.tally.full += count as u64;
+            self.tally.by_areas += count as u64;
+            if count > 0 {
+                let at = self.index(i, run.start);
+                self.scene.nodes.run(i, run, order, &mut self.values[at..at + count]);
+            }
+        }
     }
 
     fn judge(&self, low: f64, high: f64) -> Side {
@@ -476,11 +517,23 @@ impl<'a> Task<'a> {
     }
 
     fn value_mut(&mut self, i: usize, j: usize) -> &mut f64 {
+        let at = self.index(i, j);
+        &mut self.values[at]
+    }
+
+    /// Where the exchange of a pair is among the values.
+    fn index(&self, i: usize, j: usize) -> usize {
         let n = self.scene.facets.list.len();
         let first = self.node.range.start;
-        let before: usize = (i - first) * (n - 1) - (first..i).sum::<usize>();
-        &mut self.values[before + j - i - 1]
+        (i - first) * (n - 1) - (first..i).sum::<usize>() + j - i - 1
     }
+}
+
+/// The least and the greatest height of a box above a facet's plane.
+fn heights_of(facet: &Facet, bounds: &Bounds) -> (f64, f64) {
+    let (low, high) = bounds.extent_along(facet.normal);
+    let offset = facet.normal.dot(facet.centre);
+    (low - offset, high - offset)
 }
 
 /// A polygon's middle and the ball about it.

@@ -3,6 +3,7 @@
 use crate::facets::Facet;
 use crate::kernels::areas::{ORDERS, rule};
 use std::f64::consts::FRAC_1_PI;
+use std::ops::Range;
 
 /// Points summed together.
 const LANES: usize = 4;
@@ -47,17 +48,40 @@ impl Nodes {
         self.row_plain(i, pairs, out);
     }
 
+    /// The same with consecutive facets, all by one order.
+    pub fn run(&self, i: usize, facets: Range<usize>, order: usize, out: &mut [f64]) {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has what the function needs.
+            return unsafe { self.run_avx2(i, facets, order, out) };
+        }
+        self.run_plain(i, facets, order, out);
+    }
+
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn row_avx2(&self, i: usize, pairs: &[(u32, u8)], out: &mut [f64]) {
         self.row_plain(i, pairs, out);
     }
 
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn run_avx2(&self, i: usize, facets: Range<usize>, order: usize, out: &mut [f64]) {
+        self.run_plain(i, facets, order, out);
+    }
+
     #[inline(always)]
     fn row_plain(&self, i: usize, pairs: &[(u32, u8)], out: &mut [f64]) {
         for (&(j, order), out) in pairs.iter().zip(out) {
-            let layer = &self.layers[order as usize];
-            *out = layer.pair(i, j as usize, self.normals[i], self.normals[j as usize]);
+            *out = self.layers[order as usize].pair(i, j as usize, self.normals[i], self.normals[j as usize]);
+        }
+    }
+
+    #[inline(always)]
+    fn run_plain(&self, i: usize, facets: Range<usize>, order: usize, out: &mut [f64]) {
+        let layer = &self.layers[order];
+        for (j, out) in facets.zip(out) {
+            *out = layer.pair(i, j, self.normals[i], self.normals[j]);
         }
     }
 }
@@ -107,5 +131,35 @@ impl Layer {
             }
         }
         (sum[0] + sum[1] + sum[2] + sum[3]) * FRAC_1_PI
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::enclosure::Enclosure;
+    use crate::facets::Facets;
+    use radiosity_geometry::{DVec3, Patches};
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let polygons = vec![
+            [at(0., 0., 0.), at(1., 0., 0.), at(1., 1., 0.), at(0., 1.1, 0.)],
+            [at(0., 0., 3.), at(0.1, 1., 3.), at(1., 0.2, 3.), at(1., 0.2, 3.)],
+            [at(2., 0., 2.), at(2., 1., 2.), at(2., 1., 3.), at(2., 0.3, 3.)],
+        ];
+        let patches = Patches::new(polygons, vec![0; 3], vec![0; 3], vec![false; 3]);
+        let facets = Facets::new(&Enclosure::new(patches)).list;
+        let nodes = Nodes::new(&facets);
+        for order in 0..ORDERS.len() {
+            let (mut plain, mut row, mut run) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+            nodes.run_plain(0, 0..3, order, &mut plain);
+            nodes.run(0, 0..3, order, &mut run);
+            nodes.row(0, &[0, 1, 2].map(|j| (j, order as u8)), &mut row);
+            let bits = |values: [f64; 3]| [values[1].to_bits(), values[2].to_bits()];
+            assert_eq!(bits(plain), bits(run));
+            assert_eq!(bits(plain), bits(row));
+        }
     }
 }
