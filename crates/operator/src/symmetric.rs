@@ -347,9 +347,11 @@ mod tests {
     fn blocks(n: usize, order: &[u32], fill: usize) -> Symmetric {
         let step = 7;
         let row = |p: usize| (p + 1..n).map(move |q| entry(order[p] as usize, order[q] as usize, fill));
-        let block =
-            |first: usize| (first..(first + step).min(n), (first..(first + step).min(n)).flat_map(row).collect());
-        Symmetric::from_dense_blocks(n, order.to_vec(), (0..n).step_by(step).map(block).collect())
+        let block = |first: usize| {
+            let rows = first..(first + step).min(n);
+            Block::new(n, rows.clone(), rows.flat_map(row).collect())
+        };
+        Symmetric::from_blocks(n, order.to_vec(), (0..n).step_by(step).map(block).collect())
     }
 
     #[test]
