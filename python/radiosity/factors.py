@@ -302,7 +302,7 @@ def form_factors(
         method,
         DEFAULT_TOLERANCE if wanted is None else wanted,
         samples,
-        whole(resolution or DEFAULT_RESOLUTION, "resolution", 8, 4096),
+        _even(whole(DEFAULT_RESOLUTION if resolution is None else resolution, "resolution", 8, 4096)),
         whole(seed, "seed", 0, 2**64 - 1),
         memory_or_most(memory_limit),
         threads_or_all(threads),
@@ -343,6 +343,12 @@ def _samples(
         few = 1 if tolerance is None else None
         return few if hemicubes is None else whole(hemicubes, "hemicubes", 1, 4096), tolerance
     return None, DEFAULT_TOLERANCE if tolerance is None else tolerance
+
+
+def _even(resolution: int) -> int:
+    if resolution % 2:
+        raise ValueError(f"resolution must be even, as the sides of a hemicube have half of it, and not {resolution}")
+    return resolution
 
 
 def _rays_for(tolerance: float) -> int:

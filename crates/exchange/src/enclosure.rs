@@ -140,8 +140,13 @@ impl Enclosure {
     /// even after rounding to single precision.
     #[inline]
     pub fn point_off(&self, side: usize, s: f64, t: f64) -> DVec3 {
+        self.off(side, self.charts[self.patch_of(side)].point(s, t))
+    }
+
+    /// A point just off a side from one on it, as [`Enclosure::point_off`].
+    #[inline]
+    pub fn off(&self, side: usize, on: DVec3) -> DVec3 {
         let patch = self.patch_of(side);
-        let on = self.charts[patch].point(s, t);
         on + self.inset[patch] * (self.patches.centre[patch] - on) + self.margin * self.normal(side)
     }
 

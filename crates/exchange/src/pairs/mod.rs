@@ -13,6 +13,7 @@
 //! `T / 4` of a row, root mean square.
 
 mod nodes;
+mod occlusion;
 
 use crate::enclosure::Enclosure;
 use crate::facets::{Bounds, Facet, Facets, Node};
@@ -21,12 +22,13 @@ use crate::kernels::contour::{contour, is_closed_form};
 use crate::kernels::nusselt::{covered, nusselt};
 use crate::quadrature::PlaneRule;
 use crate::visibility::fragments::Fragments;
-use crate::visibility::hidden::{End, Estimate, Hidden};
-use crate::visibility::rays::{Pair, Points, Rays};
+use crate::visibility::hidden::{End, Hidden};
+use crate::visibility::rays::{Points, Rays};
 use crate::visibility::shaft::{Sight, between};
 use crate::visibility::{Blockers, Shaft};
 use glam::DVec3;
 use nodes::Nodes;
+use occlusion::Ends;
 use radiosity_operator::{Block, Cancelled, Control, Symmetric};
 use rayon::prelude::*;
 
@@ -80,6 +82,14 @@ pub struct Tally {
 }
 
 impl Tally {
+    fn count(&mut self, sight: Sight) {
+        match sight {
+            Sight::Full => self.full += 1,
+            Sight::None => self.hidden += 1,
+            Sight::Partial => self.partial += 1,
+        }
+    }
+
     fn plus(self, other: Self) -> Self {
         Self {
             full: self.full + other.full,
@@ -155,9 +165,8 @@ struct Scene<'a> {
 /// Buffers of a worker.
 #[derive(Default)]
 struct Scratch {
-    /// Candidates by depth of the tree.
+    /// Lists of blockers that are not in use.
     lists: Vec<Vec<u32>>,
-    kept: Vec<u32>,
     hidden: Hidden,
     rays: Rays,
     fragments: Fragments,
@@ -167,6 +176,12 @@ struct Scratch {
     /// Pairs of one facet that Gauss points serve, and their exchange.
     batch: Vec<(u32, u8)>,
     exchange: Vec<f64>,
+}
+
+impl Scratch {
+    fn take_list(&mut self) -> Vec<u32> {
+        self.lists.pop().unwrap_or_default()
+    }
 }
 
 /// All pairs of one leaf with itself and the leaves after it.
@@ -210,19 +225,16 @@ impl<'a> Task<'a> {
 
     fn walk_all(&mut self, control: &Control) -> Result<(), Cancelled> {
         let all: Vec<u32> = (0..self.scene.blockers.list.len() as u32).collect();
-        self.walk(0, &all, 0, control)
+        self.walk(0, &all, control)
     }
 
     /// Walks down to the leaves at or after this task's, with the blockers that may matter.
-    fn walk(&mut self, node: usize, candidates: &[u32], depth: usize, control: &Control) -> Result<(), Cancelled> {
+    fn walk(&mut self, node: usize, candidates: &[u32], control: &Control) -> Result<(), Cancelled> {
         let target = &self.scene.facets.nodes[node];
         if target.range.end <= self.node.range.start {
             return Ok(());
         }
-        if self.scratch.lists.len() <= depth {
-            self.scratch.lists.resize_with(depth + 1, Vec::new);
-        }
-        let mut list = std::mem::take(&mut self.scratch.lists[depth]);
+        let mut list = self.scratch.take_list();
         list.clear();
         if !candidates.is_empty() {
             let contact = self.scene.blockers.contact;
@@ -230,13 +242,13 @@ impl<'a> Task<'a> {
             list.extend(candidates.iter().filter(|&&k| shaft.admits(&self.scene.blockers.list[k as usize])));
         }
         let walked = match target.children {
-            Some(children) => children.into_iter().try_for_each(|c| self.walk(c, &list, depth + 1, control)),
+            Some(children) => children.into_iter().try_for_each(|c| self.walk(c, &list, control)),
             None => {
                 self.leaf(target, &list);
                 control.check()
             }
         };
-        self.scratch.lists[depth] = list;
+        self.scratch.lists.push(list);
         walked
     }
 
@@ -371,23 +383,16 @@ impl<'a> Task<'a> {
         *self.value_mut(i, j) = value;
     }
 
-    /// What is between of all that may be, in `scratch.kept`.
-    fn between(&mut self, first: End, second: End, candidates: &[u32]) -> Sight {
+    /// What is between of all that may be.
+    fn between(&self, first: End, second: End, candidates: &[u32], kept: &mut Vec<u32>) -> Sight {
         let Blockers { list, contact } = &self.scene.blockers;
-        let ends = ((first.facet, first.polygon), (second.facet, second.polygon));
-        let sight = between(list, candidates, ends.0, ends.1, *contact, &mut self.scratch.kept);
-        match sight {
-            Sight::Full => self.tally.full += 1,
-            Sight::None => self.tally.hidden += 1,
-            Sight::Partial => self.tally.partial += 1,
-        }
-        sight
+        between(list, candidates, (first.facet, first.polygon), (second.facet, second.polygon), *contact, kept)
     }
 
     /// The unoccluded exchange less what blockers hide.
     fn less_hidden(
         &mut self,
-        pair: (usize, usize),
+        numbers: (usize, usize),
         first: End,
         second: End,
         whole: f64,
@@ -400,7 +405,7 @@ impl<'a> Task<'a> {
         }
         let smaller = first.facet.area.min(second.facet.area);
         let allowed = PARTIAL_SHARE * self.scene.settings.tolerance * (whole * smaller).sqrt();
-        let Some(hidden) = self.hidden(pair, first, second, whole, allowed, are_apart, candidates) else { return 0.0 };
+        let hidden = self.hidden(&Ends { numbers, first, second, whole, are_apart, allowed }, candidates);
         self.tally.unresolved += u64::from(hidden.error > 1.01 * allowed);
         self.tally.worst_error = self.tally.worst_error.max(hidden.error / smaller);
         let left = whole - hidden.value;
@@ -408,54 +413,18 @@ impl<'a> Task<'a> {
         if left > 1e-13 * whole { left } else { 0.0 }
     }
 
-    /// The hidden part of an exchange; none if one blocker hides it all.
-    fn hidden(
-        &mut self,
-        numbers: (usize, usize),
-        first: End,
-        second: End,
-        whole: f64,
-        allowed: f64,
-        are_apart: bool,
-        candidates: &[u32],
-    ) -> Option<Estimate> {
-        let Scene { enclosure, points, blockers, .. } = self.scene;
-        let is_auto = matches!(self.scene.settings.kernel, Kernel::Auto);
-        let pair = Pair { numbers, facets: (first.facet, second.facet) };
-        let rays_may_do = is_auto && are_apart && Rays::may_do(allowed / whole);
-        // Where a few rays may do they cost less than to find out whether any are needed.
-        let at_once = rays_may_do && allowed > FEW_RAYS_ERROR * whole;
-        if !at_once {
-            match self.between(first, second, candidates) {
-                Sight::None => return None,
-                Sight::Full => return Some(Estimate::default()),
-                Sight::Partial => {}
-            }
-        }
-        if rays_may_do && let Some(estimate) = self.scratch.rays.hidden(enclosure, points, pair, whole, allowed) {
-            self.tally.partial += u64::from(at_once);
-            self.tally.by_rays += 1;
-            return Some(estimate);
-        }
-        if at_once {
-            match self.between(first, second, candidates) {
-                Sight::None => return None,
-                Sight::Full => return Some(Estimate::default()),
-                Sight::Partial => {}
-            }
-        }
-        let Scratch { hidden, kept, .. } = &mut *self.scratch;
-        Some(hidden.exchange(first, second, &blockers.list, kept, whole, allowed, blockers.contact))
-    }
-
     /// The exchange if nothing stood between, and whether the pair is well apart.
     fn unoccluded(&mut self, first: End, second: End) -> (f64, bool) {
-        let settings = self.scene.settings;
+        self.unoccluded_by(&self.scene.settings.kernel, first, second)
+    }
+
+    fn unoccluded_by(&mut self, kernel: &Kernel, first: End, second: End) -> (f64, bool) {
+        let tolerance = self.scene.settings.tolerance;
         let (a, b) = (Extent::of(first), Extent::of(second));
         let r = b.centre - a.centre;
         let (h1, h2) = (first.facet.normal.dot(r), -second.facet.normal.dot(r));
         let radii = a.radius + b.radius;
-        if matches!(settings.kernel, Kernel::Auto)
+        if matches!(kernel, Kernel::Auto)
             && let Some(order) = self.scene.orders.choose(r.length_squared(), radii, h1, h2)
         {
             self.tally.by_areas += 1;
@@ -467,20 +436,27 @@ impl<'a> Task<'a> {
         let larger = first.facet.area.max(second.facet.area);
         let most =
             ((h1.max(0.0) + radii) * (h2.max(0.0) + radii) * larger / r.length_squared().powi(2)).clamp(1e-3, 1.0);
-        let tolerance = match settings.kernel {
+        let tolerance = match kernel {
             Kernel::Analytic if is_closed_form(first.polygon, second.polygon) => 1.0,
             Kernel::Analytic => 1e-12,
-            _ => 0.1 * settings.tolerance,
+            _ => 0.1 * tolerance,
         };
         (contour(first.polygon, second.polygon, tolerance * most * smaller), false)
     }
 
     fn by_nusselt(&mut self, first: End, second: End, rule: &PlaneRule, candidates: &[u32]) -> f64 {
-        if self.between(first, second, candidates) == Sight::None {
-            return 0.0;
-        }
+        let mut blockers = self.scratch.take_list();
+        let sight = self.between(first, second, candidates, &mut blockers);
+        self.tally.count(sight);
+        let exchange = if sight == Sight::None { 0.0 } else { self.mean_of_ends(first, second, rule, &blockers) };
+        self.scratch.lists.push(blockers);
+        exchange
+    }
+
+    /// The mean of what both ends of a pair measure by Nusselt's analog.
+    fn mean_of_ends(&mut self, first: End, second: End, rule: &PlaneRule, blockers: &[u32]) -> f64 {
         let Blockers { list, contact } = &self.scene.blockers;
-        let Scratch { fragments, kept: blockers, .. } = &mut *self.scratch;
+        let fragments = &mut self.scratch.fragments;
         let mut from = |source: End, target: End| {
             let normal = source.facet.normal;
             nusselt(source.polygon, rule, |x| {

@@ -46,6 +46,16 @@ pub struct Fragments {
     part: Vec<DVec3>,
     rest: Vec<DVec3>,
     heights: Vec<f64>,
+    /// The blocker at hand, from the eye: its corners, the inward normals through its edges, its plane.
+    outline: Vec<DVec3>,
+    faces: Vec<DVec3>,
+    toward: (DVec3, f64),
+}
+
+/// Whether all points are on or outside a plane through the eye.
+fn is_outside(inward: DVec3, points: &[DVec3]) -> bool {
+    let on = ON_PLANE * inward.length();
+    points.iter().all(|p| inward.dot(*p) <= on * p.abs().max_element())
 }
 
 /// A point this near to a cutting plane, relative to its distance from the eye, is on it.
@@ -81,36 +91,64 @@ impl Fragments {
 
     /// Takes away what one blocker hides. `depth`: along its normal, how far its plane is from the eye.
     fn remove(&mut self, blocker: &Blocker, x: DVec3, depth: f64) {
+        self.look_at(blocker, x, depth);
         self.next.clear();
-        let n = blocker.corners.len();
         for k in 0..self.visible.ends.len() {
+            if self.misses(k) {
+                self.next.push(self.visible.polygon(k));
+                continue;
+            }
             self.inside.clear();
             self.inside.extend_from_slice(self.visible.polygon(k));
-            let mark = (self.next.corners.len(), self.next.ends.len());
-            for e in 0..n {
-                let (a, b) = (blocker.corners[e] - x, blocker.corners[if e + 1 == n { 0 } else { e + 1 }] - x);
-                // Counter-clockwise seen from its front, that is, where depth is negative.
-                let into = if depth < 0.0 { b.cross(a) } else { a.cross(b) };
-                self.cut(into, 0.0);
+            for e in 0..self.faces.len() {
+                self.cut(self.faces[e], 0.0);
                 self.next.push(&self.rest);
                 std::mem::swap(&mut self.inside, &mut self.part);
                 if self.inside.len() < 3 {
                     break;
                 }
             }
-            if self.inside.len() < 3 {
-                // The cone missed it: keep it whole instead of the pieces.
-                self.next.corners.truncate(mark.0);
-                self.next.ends.truncate(mark.1);
-                self.next.push(self.visible.polygon(k));
-                continue;
+            if self.inside.len() >= 3 {
+                // Within the cone, what is before the blocker's plane stays visible.
+                self.cut(blocker.normal * depth.signum(), depth.abs());
+                self.next.push(&self.rest);
             }
-            // Within the cone, what is before the blocker's plane stays visible.
-            let toward = blocker.normal * depth.signum();
-            self.cut(toward, depth.abs());
-            self.next.push(&self.rest);
         }
         std::mem::swap(&mut self.visible, &mut self.next);
+    }
+
+    /// The blocker as a cone: its corners from the eye, and the inward normals of the planes through its edges.
+    fn look_at(&mut self, blocker: &Blocker, x: DVec3, depth: f64) {
+        self.outline.clear();
+        self.outline.extend(blocker.corners.iter().map(|c| *c - x));
+        self.faces.clear();
+        let n = self.outline.len();
+        for e in 0..n {
+            let (a, b) = (self.outline[e], self.outline[if e + 1 == n { 0 } else { e + 1 }]);
+            // Counter-clockwise seen from its front, that is, where depth is negative.
+            self.faces.push(if depth < 0.0 { b.cross(a) } else { a.cross(b) });
+        }
+        self.toward = (blocker.normal * depth.signum(), depth.abs());
+    }
+
+    /// Whether the cone and a fragment, both convex, have no inside in common: then a face of either parts them.
+    fn misses(&self, k: usize) -> bool {
+        let fragment = self.visible.polygon(k);
+        let (toward, depth) = self.toward;
+        let is_before = fragment.iter().all(|v| toward.dot(*v) <= depth);
+        is_before || self.faces.iter().any(|face| is_outside(*face, fragment)) || self.is_beside(fragment)
+    }
+
+    /// Whether the blocker lies outside an edge of a fragment.
+    fn is_beside(&self, fragment: &[DVec3]) -> bool {
+        let n = fragment.len();
+        // The sign of the first corner that is not on the plane of the first edges says which way round they go.
+        let turn = fragment[0].cross(fragment[1]).dot(fragment[2]);
+        (0..n).any(|e| {
+            let (a, b) = (fragment[e], fragment[if e + 1 == n { 0 } else { e + 1 }]);
+            let face = if turn > 0.0 { a.cross(b) } else { b.cross(a) };
+            turn != 0.0 && is_outside(face, &self.outline)
+        })
     }
 
     /// Splits `inside` by the plane `normal . v = offset` into `part`, where it is greater, and `rest`.

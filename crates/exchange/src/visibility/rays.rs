@@ -5,10 +5,11 @@
 //! by its kernel. Lines are doubled until the share is known well enough; most pairs are all hidden or all in view, and
 //! a few lines tell.
 
-use super::hidden::Estimate;
+use super::hidden::{End, Estimate};
 use crate::enclosure::Enclosure;
 use crate::facets::Facet;
 use glam::DVec3;
+use radiosity_geometry::Chart;
 use radiosity_geometry::bvh::Ray;
 use radiosity_geometry::sampling::Sequence;
 
@@ -74,13 +75,15 @@ pub struct Rays {
     pub cast: u64,
 }
 
-/// Two facets of a list.
+/// Two polygons of facets.
 #[derive(Clone, Copy)]
 pub struct Pair<'a> {
-    /// Their numbers.
-    pub numbers: (usize, usize),
-    /// Themselves.
-    pub facets: (&'a Facet, &'a Facet),
+    /// The numbers of the facets, if the polygons are all of them.
+    pub numbers: Option<(usize, usize)>,
+    /// One.
+    pub first: End<'a>,
+    /// The other; of three or four corners both.
+    pub second: End<'a>,
 }
 
 /// Weights of lines, all and those blocked.
@@ -111,6 +114,9 @@ impl Rays {
         whole: f64,
         allowed: f64,
     ) -> Option<Estimate> {
+        if pair.first.polygon.len() > 4 || pair.second.polygon.len() > 4 {
+            return None;
+        }
         let (mut sums, mut done) = (Sums::default(), 0);
         let mut wanted = LEAST_RAYS;
         loop {
@@ -138,8 +144,7 @@ impl Rays {
         lines: std::ops::Range<usize>,
         sums: &mut Sums,
     ) {
-        let (i, j) = pair.numbers;
-        let (a, b) = pair.facets;
+        let (a, b) = (pair.first.facet, pair.second.facet);
         self.rays.clear();
         self.weights.clear();
         let mut line = |x: DVec3, y: DVec3| {
@@ -152,14 +157,18 @@ impl Rays {
             }
         };
         let count = lines.len();
-        if lines.end <= KEPT {
+        if let Some((i, j)) = pair.numbers
+            && lines.end <= KEPT
+        {
             let ends = |k: usize| k * KEPT + lines.start..k * KEPT + lines.end;
             points.ends[0][ends(i)].iter().zip(&points.ends[1][ends(j)]).for_each(|(x, y)| line(*x, *y));
         } else {
             let sequence = Sequence::new(points.seed, a.side, b.side, STREAM_OF_PAIRS);
+            let (here, there) = (chart(pair.first.polygon), chart(pair.second.polygon));
             for k in lines {
                 let [s, t, u, v] = sequence.point(k as u32);
-                line(enclosure.point_off(a.side as usize, s, t), enclosure.point_off(b.side as usize, u, v));
+                let (x, y) = (here.point(s, t), there.point(u, v));
+                line(enclosure.off(a.side as usize, x), enclosure.off(b.side as usize, y));
             }
         }
         self.cast += count as u64;
@@ -171,4 +180,9 @@ impl Rays {
             sums.blocked += if *occluded { *weight } else { 0.0 };
         }
     }
+}
+
+/// The chart of a polygon of three or four corners.
+fn chart(polygon: &[DVec3]) -> Chart {
+    Chart::new(&[polygon[0], polygon[1], polygon[2], polygon[polygon.len() - 1]])
 }

@@ -1,0 +1,147 @@
+//! How much of a pair's exchange is hidden.
+//!
+//! Rays tell where facets are apart and moderate accuracy is enough; else what is visible is integrated. Both are poor
+//! where facets are near for their size, or where much stands between: then the larger is cut in four and each part is
+//! judged anew, with what stands between it and the other. Parts that could not matter are left at half hidden.
+
+use super::{FEW_RAYS_ERROR, Kernel, Scene, Task};
+use crate::visibility::hidden::{End, Estimate};
+use crate::visibility::rays::{Pair, Rays};
+use crate::visibility::shaft::Sight;
+use glam::DVec3;
+
+/// Parts of parts are cut no further.
+const MOST_DEPTH: usize = 7;
+
+/// More blockers than these between two polygons are fewer between each part of them.
+const MANY_BLOCKERS: usize = 24;
+
+/// How often a pair is cut for no other reason than that much stands between.
+const CUTS_FOR_BLOCKERS: usize = 3;
+
+/// The share of the allowed error that parts left at half hidden may take, each.
+const NEGLIGIBLE: f64 = 0.3;
+
+/// A pair of polygons, and what is known of it.
+#[derive(Clone, Copy)]
+pub(super) struct Ends<'a> {
+    /// The numbers of the facets.
+    pub numbers: (usize, usize),
+    pub first: End<'a>,
+    pub second: End<'a>,
+    /// The exchange if nothing stood between, m2.
+    pub whole: f64,
+    /// Whether they are well apart for their size.
+    pub are_apart: bool,
+    /// The error allowed, m2.
+    pub allowed: f64,
+}
+
+impl Task<'_> {
+    /// The hidden part of an exchange.
+    pub(super) fn hidden(&mut self, ends: &Ends, candidates: &[u32]) -> Estimate {
+        // Where a few rays may do they cost less than to find out whether any are needed.
+        if ends.allowed > FEW_RAYS_ERROR * ends.whole
+            && let Some(estimate) = self.hidden_by_rays(ends, true)
+        {
+            self.tally.partial += 1;
+            return estimate;
+        }
+        self.hidden_in_parts(ends, candidates, 0)
+    }
+
+    fn hidden_by_rays(&mut self, ends: &Ends, are_whole: bool) -> Option<Estimate> {
+        let Scene { enclosure, points, settings, .. } = self.scene;
+        let may_do =
+            matches!(settings.kernel, Kernel::Auto) && ends.are_apart && Rays::may_do(ends.allowed / ends.whole);
+        if !may_do {
+            return None;
+        }
+        let pair = Pair { numbers: are_whole.then_some(ends.numbers), first: ends.first, second: ends.second };
+        let estimate = self.scratch.rays.hidden(enclosure, points, pair, ends.whole, ends.allowed)?;
+        self.tally.by_rays += 1;
+        Some(estimate)
+    }
+
+    fn rays_are_exact_enough(&self, ends: &Ends) -> bool {
+        matches!(self.scene.settings.kernel, Kernel::Auto) && Rays::may_do(ends.allowed / ends.whole)
+    }
+
+    fn hidden_in_parts(&mut self, ends: &Ends, candidates: &[u32], depth: usize) -> Estimate {
+        let mut kept = self.scratch.take_list();
+        let sight = self.between(ends.first, ends.second, candidates, &mut kept);
+        if depth == 0 {
+            self.tally.count(sight);
+        }
+        let estimate = match sight {
+            Sight::Full => Estimate::default(),
+            Sight::None => Estimate { value: ends.whole, error: 0.0 },
+            Sight::Partial => self.partly_hidden(ends, &kept, depth),
+        };
+        self.scratch.lists.push(kept);
+        estimate
+    }
+
+    fn partly_hidden(&mut self, ends: &Ends, blockers: &[u32], depth: usize) -> Estimate {
+        if depth > 0 && 0.5 * ends.whole <= NEGLIGIBLE * ends.allowed {
+            return Estimate { value: 0.5 * ends.whole, error: 0.5 * ends.whole };
+        }
+        let are_whole = depth == 0;
+        if let Some(estimate) = self.hidden_by_rays(ends, are_whole) {
+            return estimate;
+        }
+        let is_near = !ends.are_apart && depth < MOST_DEPTH && self.rays_are_exact_enough(ends);
+        if is_near || (blockers.len() > MANY_BLOCKERS && depth < CUTS_FOR_BLOCKERS) {
+            return self.by_parts(ends, blockers, depth);
+        }
+        let list = &self.scene.blockers;
+        let Ends { first, second, whole, allowed, .. } = *ends;
+        self.scratch.hidden.exchange(first, second, &list.list, blockers, whole, allowed, list.contact)
+    }
+
+    /// Cuts the larger polygon and adds up what is hidden of the parts.
+    fn by_parts(&mut self, ends: &Ends, blockers: &[u32], depth: usize) -> Estimate {
+        let (a, b) = (ends.first, ends.second);
+        let cut_first = size(a.polygon) > size(b.polygon);
+        let mut sum = Estimate::default();
+        let mut variance = 0.0;
+        for part in parts(if cut_first { a.polygon } else { b.polygon }) {
+            let (first, second) =
+                if cut_first { (End { polygon: &part, ..a }, b) } else { (a, End { polygon: &part, ..b }) };
+            let (whole, are_apart) = self.unoccluded_by(&Kernel::Auto, first, second);
+            if whole <= 0.0 {
+                continue;
+            }
+            // As errors of parts add up in squares.
+            let allowed = ends.allowed * (whole / ends.whole).sqrt().min(1.0);
+            let ends = Ends { first, second, whole, are_apart, allowed, ..*ends };
+            let hidden = self.hidden_in_parts(&ends, blockers, depth + 1);
+            sum.value += hidden.value;
+            variance += hidden.error * hidden.error;
+        }
+        Estimate { error: variance.sqrt(), ..sum }
+    }
+}
+
+/// The square of the longest edge.
+fn size(polygon: &[DVec3]) -> f64 {
+    (0..polygon.len()).map(|k| polygon[k].distance_squared(polygon[(k + 1) % polygon.len()])).fold(0.0, f64::max)
+}
+
+/// A convex polygon in four: at the middles of its edges, or from corner to corner where it has more than four.
+fn parts(polygon: &[DVec3]) -> Vec<Vec<DVec3>> {
+    match polygon {
+        [a, b, c] => {
+            let (ab, bc, ca) = (0.5 * (*a + *b), 0.5 * (*b + *c), 0.5 * (*c + *a));
+            vec![vec![*a, ab, ca], vec![ab, *b, bc], vec![ca, bc, *c], vec![ab, bc, ca]]
+        }
+        [a, b, c, d] => {
+            let (ab, bc, cd, da) = (0.5 * (*a + *b), 0.5 * (*b + *c), 0.5 * (*c + *d), 0.5 * (*d + *a));
+            // On both lines between opposite middles, so that the parts are planar and tile.
+            let middle = 0.25 * (*a + *b + *c + *d);
+            vec![vec![*a, ab, middle, da], vec![ab, *b, bc, middle], vec![middle, bc, *c, cd], vec![da, middle, cd, *d]]
+        }
+        [a, rest @ ..] => rest.windows(2).map(|pair| vec![*a, pair[0], pair[1]]).collect(),
+        [] => Vec::new(),
+    }
+}
