@@ -17,6 +17,7 @@ from radiosity.checks import memory_or_most, threads_or_all, whole
 
 if TYPE_CHECKING:
     from radiosity.patches import Patches
+    from radiosity.surface_factors import SurfaceFactors
 
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int, int], object]
@@ -177,7 +178,9 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         ``report.disagreement`` tells how far apart both ends were before they were combined.
         """
         matrix = self.to_scipy_sparse()
-        exchange = csr_array((matrix.data * np.repeat(self.area, np.diff(matrix.indptr)), matrix.indices, matrix.indptr))
+        exchange = csr_array(
+            (matrix.data * np.repeat(self.area, np.diff(matrix.indptr)), matrix.indices, matrix.indptr)
+        )
         difference = abs(exchange - exchange.T).tocoo()
         if difference.nnz == 0:
             return 0.0
@@ -210,6 +213,12 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         if left > ENFORCED:
             raise ValueError(f"no reciprocal form factors have these row sums: some stay {left:.1e} off")
         return FormFactors(self.patches, native, self.report.method, self.report.tolerance)
+
+    def by_surface(self) -> SurfaceFactors:
+        """The form factors between whole surfaces; those that the scene combines count as one."""
+        from radiosity.surface_factors import summed  # noqa: PLC0415
+
+        return summed(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write ``.npz`` (reads back with :meth:`load` and with ``scipy.sparse.load_npz``) or ``.csv``.
@@ -268,7 +277,8 @@ def form_factors(
             "auto": per pair the cheapest way that meets the tolerance: Gauss points on both areas, contour integrals
             where patches are near or touch; where something may stand between, exactly what is visible, integrated
             adaptively, or a few rays where they suffice.
-            "analytic": closed forms where all edges are parallel or perpendicular, contour integrals to 1e-12 elsewhere.
+            "analytic": closed forms where all edges are parallel or perpendicular, contour integrals to 1e-12
+            elsewhere.
             "contour": contour integrals for every pair.
             "nusselt": Nusselt's analog, the projected area on the base of the hemisphere, averaged over points.
             "hemicube": item buffers of hemicubes on every patch (Cohen and Greenberg 1985).

@@ -1,0 +1,213 @@
+"""What form factors tell of the geometry that they were measured on: leaks, turned faces, faces in one place.
+
+    >>> for finding in radiosity.diagnosis.of(F):
+    ...     print(finding)
+
+Nothing here changes a number.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.sparse import csr_array
+
+from radiosity.scene import Finding
+
+if TYPE_CHECKING:
+    from radiosity.factors import FormFactors
+
+Floats = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
+
+CLOSED = 0.98
+"""Mean row sum by area above which patches are taken to enclose a space."""
+
+LEAST_DEVIATION = 1e-3
+"""Deviations of a row sum up to this are not worth a word."""
+
+MOST_NAMED = 10
+"""So many patches are named one by one."""
+
+OPTICS = frozenset({
+    "camera", "camera-left-out", "camera-unusable", "dark-light", "emission-range", "emissivity-limited",
+    "high-reflectance", "ignored-extensions", "light-intensity", "light-placement", "light-range", "lit-model",
+    "metallic-material", "missing-library", "no-bands", "no-diffuse-colour", "no-light", "no-material",
+    "reflectance-limited", "reflectance-range", "spectrum-length", "transparent-material", "unknown-material",
+    "unreadable-texture",
+})  # fmt: skip
+"""Codes of findings about paint, lamps and cameras, on which form factors do not depend."""
+
+_RANK = {"error": 0, "warning": 1, "note": 2}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a row of form factors belongs."""
+
+    row: int
+    patch: int
+    surface: str
+    face: int
+    is_back: bool
+    centre: tuple[float, float, float]
+    row_sum: float
+
+    def __str__(self) -> str:
+        x, y, z = (round(c, 4) + 0.0 for c in self.centre)
+        return f"{self.element} at ({x:g}, {y:g}, {z:g})"
+
+    @property
+    def element(self) -> str:
+        """The patch by its number, surface and face."""
+        back = "the back of " if self.is_back else ""
+        return f"{back}patch {self.patch} of '{self.surface}', face {self.face}"
+
+
+def of(factors: FormFactors, *, enclosure: bool | None = None) -> list[Finding]:
+    """Everything doubtful about the geometry, worst first: what the shapes and what the factors tell.
+
+    Args:
+        factors: what was measured.
+        enclosure: whether the patches should enclose a space, so that every row sums to 1; see :func:`is_enclosure`.
+    """
+    closed = is_enclosure(factors) if enclosure is None else enclosure
+    blind = _blind(factors)
+    # Where nothing sees anything, a closed space is looked at from outside, or patches are alone.
+    shapes = factors.patches.scene.findings(enclosure=closed or (enclosure is None and bool(blind.all())))
+    found = [finding for finding in shapes if finding.code not in OPTICS]
+    found += _seeing_nothing(factors, blind, closed)
+    found += _turned(factors, blind)
+    if closed:
+        found += _deviations(factors, blind)
+    return sorted(found, key=lambda finding: _RANK[finding.severity])
+
+
+def is_enclosure(factors: FormFactors) -> bool:
+    """Whether the patches are meant to enclose a space, as their file says, or do so by their row sums."""
+    hint = factors.patches.scene.hints.get("enclosure")
+    return bool(hint) if hint is not None else mean_closure(factors) > CLOSED
+
+
+def mean_closure(factors: FormFactors) -> float:
+    """Mean row sum by area; sides of two-sided patches that see nothing do not count."""
+    closure = factors.closure()
+    area = np.where((closure > 0) | ~_is_two_sided(factors), factors.area, 0.0)
+    return float(np.average(closure, weights=area)) if np.any(area > 0) else 0.0
+
+
+def farthest(factors: FormFactors) -> Place:
+    """The row whose sum is farthest from 1; sides of two-sided patches that see nothing come last."""
+    closure = factors.closure()
+    deviation = np.where((closure == 0) & _is_two_sided(factors), -1.0, abs(closure - 1))
+    return place(factors, int(np.argmax(deviation)))
+
+
+def place(factors: FormFactors, row: int) -> Place:
+    """Which patch and surface a row belongs to, where that is, and what the row sums to."""
+    patches, patch = factors.patches, int(factors.patch[row])
+    x, y, z = map(float, patches.centre[patch])
+    name = patches.scene.surfaces[int(patches.surface[patch])].name
+    is_back = row >= len(patches)
+    row_sum = float(factors.row(row).sum())
+    return Place(row, patch, name, int(patches.face[patch]), is_back, (x, y, z), row_sum)
+
+
+def allowed_deviation(factors: FormFactors) -> float:
+    """What a row sum may be off before the geometry is blamed: ten times what was asked, thrice what was reached."""
+    report = factors.report
+    return max(LEAST_DEVIATION, 10 * (report.tolerance or 0.0), 3 * report.estimated_error)
+
+
+def _is_two_sided(factors: FormFactors) -> npt.NDArray[np.bool_]:
+    """(n,) whether the patch of each row has another row for its other side."""
+    return np.asarray(factors.patches.two_sided[factors.patch])
+
+
+def _blind(factors: FormFactors) -> npt.NDArray[np.bool_]:
+    """(n_patches,) which patches see nothing from any side."""
+    return np.bincount(factors.patch, factors.closure(), len(factors.patches)) == 0
+
+
+def _seeing_nothing(factors: FormFactors, blind: npt.NDArray[np.bool_], closed: bool) -> list[Finding]:
+    """One finding for each surface that is blind as a whole, and one for each other that is in part."""
+    patches = factors.patches
+    if len(patches) == 1 or not blind.any():
+        return []
+    # In an open scene a surface may well look away from all others.
+    severity: Any = "warning" if closed or blind.all() else "note"
+    if blind.all():
+        message = (
+            "no patch sees another; if they should, reverse the order of their corners so that normals face inward"
+        )
+        return [Finding(severity, "sees-nothing", "", message)]
+    names = [surface.name for surface in patches.scene.surfaces]
+    found = []
+    for k in np.unique(patches.surface[blind]):
+        own = np.flatnonzero(patches.surface == k)
+        lost = own[blind[own]]
+        if len(lost) == len(own):
+            element = f"surface '{names[k]}'"
+            message = (
+                f"it sees nothing ({_count(len(own))}): its normals may be inverted; reverse the order of its corners"
+            )
+        else:
+            first = place(factors, int(lost[0]))
+            element = f"surface '{names[k]}', face {first.face}"
+            message = (
+                f"{len(lost):,} of its {len(own):,} patches see nothing, first {first}: their normals may be inverted, or "
+                "they lie behind another face"
+            )
+        found.append(Finding(severity, "sees-nothing", element, message))
+    return found
+
+
+def _turned(factors: FormFactors, blind: npt.NDArray[np.bool_]) -> list[Finding]:
+    """Patches that see little where their neighbours are enclosed."""
+    patches = factors.patches
+    best = np.zeros(len(patches))
+    np.maximum.at(best, factors.patch, factors.closure())
+    suspects = np.flatnonzero((best < 0.5) & ~blind & (_of_neighbours(patches.polygons, best) > 0.95))
+    spots = [place(factors, int(i)) for i in suspects[:MOST_NAMED]]
+    meaning = "where its neighbours' are near 1: its normal may be inverted, or a face lies right before it"
+    return [Finding("warning", "sees-little", str(spot), f"row sum {spot.row_sum:.4g} {meaning}") for spot in spots]
+
+
+def _of_neighbours(polygons: Floats, values: Floats) -> Floats:
+    """(n,) mean of the values of the patches that share a corner with each; 0 for those without neighbours."""
+    n = len(polygons)
+    size = float(np.ptp(polygons.reshape(-1, 3), axis=0).max()) or 1.0
+    _, corner = np.unique(np.round(polygons.reshape(-1, 3) / (1e-6 * size)), axis=0, return_inverse=True)
+    member = csr_array((np.ones(4 * n), (np.repeat(np.arange(n), 4), corner.reshape(-1))))
+    beside = member @ member.T
+    beside.data[:] = 1.0
+    # Every patch is beside itself once.
+    count = np.asarray(beside.sum(axis=1)).reshape(-1) - 1
+    return np.asarray((beside @ values - values) / np.maximum(count, 1))
+
+
+def _deviations(factors: FormFactors, blind: npt.NDArray[np.bool_]) -> list[Finding]:
+    """The patches of an enclosure whose rows do not sum to 1, worst first."""
+    off = factors.closure() - 1
+    off[blind[factors.patch] | ((off == -1) & _is_two_sided(factors))] = 0.0
+    order = np.argsort(-abs(off), kind="stable")
+    order = order[abs(off[order]) > allowed_deviation(factors)]
+    blockers = bool(factors.patches.scene.obstructions)
+    found = [_deviation(place(factors, int(row)), blockers=blockers) for row in order[:MOST_NAMED]]
+    if len(order) > MOST_NAMED:
+        more = len(order) - MOST_NAMED
+        message = f"the row sums of {more:,} more patches are more than {allowed_deviation(factors):.1g} off"
+        found.append(Finding("warning", "not-closed", "", message))
+    return found
+
+
+def _deviation(spot: Place, *, blockers: bool) -> Finding:
+    if spot.row_sum < 1:
+        black = "an obstruction or the back of a face" if blockers else "the back of a face"
+        code, meaning = "leak", f"there is a leak or hole nearby, or it sees {black}"
+    else:
+        code, meaning = "excess", "faces overlap or coincide before it"
+    return Finding("warning", code, str(spot), f"row sum {spot.row_sum:.4g}: {meaning}")
