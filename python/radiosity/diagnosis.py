@@ -117,8 +117,11 @@ def place(factors: FormFactors, row: int) -> Place:
 
 
 def allowed_deviation(factors: FormFactors) -> float:
-    """What a row sum may be off before the geometry is blamed: ten times what was asked, thrice what was reached."""
+    """What a row sum may be off before the geometry is blamed and not the method."""
     report = factors.report
+    if report.method == "monte_carlo" and report.samples:
+        # A row of F takes n hits of n rays, so that the variance of its sum is 1/n at most; five standard deviations.
+        return max(LEAST_DEVIATION, 5 / float(np.sqrt(report.samples)))
     return max(LEAST_DEVIATION, 10 * (report.tolerance or 0.0), 3 * report.estimated_error)
 
 
@@ -129,7 +132,7 @@ def _is_two_sided(factors: FormFactors) -> npt.NDArray[np.bool_]:
 
 def _blind(factors: FormFactors) -> npt.NDArray[np.bool_]:
     """(n_patches,) which patches see nothing from any side."""
-    return np.bincount(factors.patch, factors.closure(), len(factors.patches)) == 0
+    return np.asarray(np.bincount(factors.patch, factors.closure(), len(factors.patches)) == 0)
 
 
 def _seeing_nothing(factors: FormFactors, blind: npt.NDArray[np.bool_], closed: bool) -> list[Finding]:
@@ -151,15 +154,13 @@ def _seeing_nothing(factors: FormFactors, blind: npt.NDArray[np.bool_], closed: 
         lost = own[blind[own]]
         if len(lost) == len(own):
             element = f"surface '{names[k]}'"
-            message = (
-                f"it sees nothing ({_count(len(own))}): its normals may be inverted; reverse the order of its corners"
-            )
+            message = "it sees nothing: its normals may be inverted; reverse the order of its corners if they are"
         else:
             first = place(factors, int(lost[0]))
             element = f"surface '{names[k]}', face {first.face}"
             message = (
-                f"{len(lost):,} of its {len(own):,} patches see nothing, first {first}: their normals may be inverted, or "
-                "they lie behind another face"
+                f"{len(lost):,} of its {len(own):,} patches see nothing, first {first}: their normals may be "
+                "inverted, or they lie behind another face"
             )
         found.append(Finding(severity, "sees-nothing", element, message))
     return found
@@ -170,7 +171,9 @@ def _turned(factors: FormFactors, blind: npt.NDArray[np.bool_]) -> list[Finding]
     patches = factors.patches
     best = np.zeros(len(patches))
     np.maximum.at(best, factors.patch, factors.closure())
-    suspects = np.flatnonzero((best < 0.5) & ~blind & (_of_neighbours(patches.polygons, best) > 0.95))
+    suspects = np.flatnonzero(
+        (best + allowed_deviation(factors) < 0.5) & ~blind & (_of_neighbours(patches.polygons, best) > 0.95)
+    )
     spots = [place(factors, int(i)) for i in suspects[:MOST_NAMED]]
     meaning = "where its neighbours' are near 1: its normal may be inverted, or a face lies right before it"
     return [Finding("warning", "sees-little", str(spot), f"row sum {spot.row_sum:.4g} {meaning}") for spot in spots]
@@ -190,24 +193,25 @@ def _of_neighbours(polygons: Floats, values: Floats) -> Floats:
 
 
 def _deviations(factors: FormFactors, blind: npt.NDArray[np.bool_]) -> list[Finding]:
-    """The patches of an enclosure whose rows do not sum to 1, worst first."""
+    """The patches of an enclosure whose rows do not sum to 1: what that means, and which they are, worst first."""
     off = factors.closure() - 1
     off[blind[factors.patch] | ((off == -1) & _is_two_sided(factors))] = 0.0
-    order = np.argsort(-abs(off), kind="stable")
-    order = order[abs(off[order]) > allowed_deviation(factors)]
-    blockers = bool(factors.patches.scene.obstructions)
-    found = [_deviation(place(factors, int(row)), blockers=blockers) for row in order[:MOST_NAMED]]
-    if len(order) > MOST_NAMED:
-        more = len(order) - MOST_NAMED
-        message = f"the row sums of {more:,} more patches are more than {allowed_deviation(factors):.1g} off"
-        found.append(Finding("warning", "not-closed", "", message))
-    return found
+    limit = allowed_deviation(factors)
+    black = "an obstruction or the back of a face" if factors.patches.scene.obstructions else "the back of a face"
+    lost = f"there is a hole nearby, something stands on them, or they see {black}"
+    return [
+        *_named(factors, -off, "leak", f"sum to less than 1 by more than {limit:.1g}: {lost}"),
+        *_named(factors, off, "excess", f"sum to more than 1 by more than {limit:.1g}: faces overlap or coincide"),
+    ]
 
 
-def _deviation(spot: Place, *, blockers: bool) -> Finding:
-    if spot.row_sum < 1:
-        black = "an obstruction or the back of a face" if blockers else "the back of a face"
-        code, meaning = "leak", f"there is a leak or hole nearby, or it sees {black}"
-    else:
-        code, meaning = "excess", "faces overlap or coincide before it"
-    return Finding("warning", code, str(spot), f"row sum {spot.row_sum:.4g}: {meaning}")
+def _named(factors: FormFactors, deviation: Floats, code: str, meaning: str) -> list[Finding]:
+    """How many rows deviate too much, and the worst of them by name."""
+    order = np.argsort(-deviation, kind="stable")
+    order = order[deviation[order] > allowed_deviation(factors)]
+    if len(order) == 0:
+        return []
+    worst = [place(factors, int(row)) for row in order[:MOST_NAMED]]
+    few = "these" if len(worst) == len(order) else f"the worst {MOST_NAMED}"
+    summary = Finding("warning", code, "", f"{len(order):,} of {len(deviation):,} rows {meaning}; {few}:")
+    return [summary, *(Finding("warning", code, str(spot), f"row sum {spot.row_sum:.4g}") for spot in worst)]

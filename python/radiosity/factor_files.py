@@ -48,7 +48,8 @@ def _arrays(factors: FormFactors) -> Arrays:
         "area": p.area, "centre": p.centre, "normal": p.normal, "surface": p.surface, "face": p.face,
         "polygons": p.polygons, "two_sided": p.two_sided, "obstructions": p.obstructions,
         "surface_names": np.array([s.name for s in p.scene.surfaces]),
-        "combined": np.array(list(p.scene.combined.items()), dtype=np.int64).reshape(-1, 2), "bands": np.array(p.scene.bands),
+        "combined": np.array(list(p.scene.combined.items()), dtype=np.int64).reshape(-1, 2),
+        "bands": np.array(p.scene.bands),
         "reflectance": p.reflectance, "emission": p.emission, "report": np.array(json.dumps(report)),
     }  # fmt: skip
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from radiosity.cli import output, source
+from radiosity.cli.failure import ExitCode, Stop
 from radiosity.cli.progress import Bar
 
 if TYPE_CHECKING:
@@ -17,6 +18,9 @@ MOST_PATCHES = 3000
 
 TIGHTER = 100
 """How much smaller the tolerance of the reference is where something stands between patches."""
+
+WIDTH = 80
+"""Columns that the table may take in any case."""
 
 _COUNTS = {"nusselt": ("points",), "hemicube": ("resolution", "hemicubes"), "monte_carlo": ("rays",)}
 
@@ -41,19 +45,42 @@ class Row:
     disagreement: float
 
 
+def within_reach(meshing: source.Meshing) -> source.Meshing:
+    """The meshing, for few enough patches where it is left open how many there are to be."""
+    given = meshing.as_is or meshing.max_edge or meshing.count or meshing.max_patches
+    return meshing if given else replace(meshing, max_patches=MOST_PATCHES)
+
+
 def compare(
-    file: str, patches: Patches, settings: dict[str, Any], *, enclosure: bool | None, as_json: bool, quiet: bool
+    file: str,
+    patches: Patches,
+    settings: dict[str, Any],
+    *,
+    max_patches: int = MOST_PATCHES,
+    enclosure: bool | None,
+    as_json: bool,
+    quiet: bool,
 ) -> None:
-    """Run all methods and show what they took and how far they are from the best of them."""
+    """Run all methods and show what they took and how far they are from the best of them.
+
+    Raises:
+        Stop: there are more patches than ``max_patches``. ResourceError: one method does not fit the memory.
+    """
     from radiosity import diagnosis
     from radiosity.factors import METHODS
 
+    if len(patches) > max_patches:
+        raise Stop(
+            ExitCode.RESOURCES,
+            f"{file}: to compare all methods on {len(patches):,} patches takes long: cut less finely, or allow it with "
+            f"--max-patches {len(patches)}",
+        )
     tolerance = _tolerance(settings)
     found = {method: _measured(file, patches, _settings_of(method, settings), quiet) for method in METHODS}
     if found["auto"].report.pairs_partly_hidden:
         tight = {"method": "auto", "tolerance": tolerance / TIGHTER}
         reference = _measured(file, patches, _common(settings) | tight, quiet, "reference")
-        name = f"auto to {tolerance / TIGHTER:.1e}"
+        name = f"auto to {tolerance / TIGHTER:.0e}"
     else:
         reference, name = found["contour"], "contour, as every pair is in full view"
     rows = [_row(f, reference, settings) for f in found.values()]
@@ -119,33 +146,39 @@ def _words(f: FormFactors, settings: dict[str, Any]) -> str:
     if report.method == "nusselt":
         return f"{report.samples:,} points"
     if report.method == "hemicube":
-        pixels = settings["resolution"] or DEFAULT_RESOLUTION
-        return f"{report.samples:,} of {pixels:,} pixels" if report.samples > 1 else f"{pixels:,} pixels"
-    return f"to {report.tolerance:.1e}"
+        pixels = f"{settings['resolution'] or DEFAULT_RESOLUTION:,} px"
+        return f"{report.samples:,} x {pixels}" if report.samples > 1 else pixels
+    return f"to {report.tolerance:.0e}"
 
 
 def _show(file: str, patches: Patches, rows: list[Row], reference: FormFactors, name: str, *, closed: bool) -> None:
-    from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("method")
-    table.add_column("settings")
-    for heading in ("time", "memory", "off closure" if closed else "row sums off", "rms", "worst", "ends disagree"):
-        table.add_column(heading, justify="right")
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    for heading in ("method", "settings"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("time", "memory", "sums", "ends", "estimate", "rms", "worst"):
+        table.add_column(heading, justify="right", no_wrap=True)
     for row in rows:
         off = row.off_closure if closed else row.row_sum_difference
-        numbers = [f"{number:.1e}" if number else "0" for number in (off, row.rms, row.worst, row.disagreement)]
-        table.add_row(row.method, row.settings, f"{row.seconds:.2f} s", f"{row.memory_bytes / 1e6:.1f} MB", *numbers)
+        numbers = (off, row.disagreement, row.estimated_error, row.rms, row.worst)
+        cells = [f"{number:.1e}" if number else "0" for number in numbers]
+        table.add_row(row.method, row.settings, f"{row.seconds:.2f} s", _size(row.memory_bytes), *cells)
     console = Console(highlight=False, soft_wrap=True)
-    console.print(f"{file}: {len(patches):,} patches")
+    console.width = max(console.width, WIDTH)
+    print(f"{file}: {len(patches):,} patches\n")
     console.print(table)
     against = "1" if closed else "the reference's"
-    console.print(
-        f"rms and worst: difference of form factors from the reference, {name}\n"
-        f"{'off closure' if closed else 'row sums off'}: worst distance of a row sum from {against}"
-    )
-    unresolved = reference.report.unresolved
-    if unresolved:
-        console.print(f"the reference itself leaves {unresolved:,} pairs less exact than that")
+    print(f"\nsums        worst distance of a row sum from {against}")
+    print("ends        greatest difference of what both ends of a pair measured")
+    print("estimate    greatest error of a form factor as the method itself estimates it")
+    print("rms, worst  difference of form factors from the reference")
+    print(f"reference   {name}: {reference.report.seconds:.2f} s")
+    if reference.report.unresolved:
+        print(f"            {reference.report.unresolved:,} of its pairs are less exact than that")
+
+
+def _size(count: int) -> str:
+    """Bytes in a readable unit."""
+    return f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"

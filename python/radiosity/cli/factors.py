@@ -51,7 +51,20 @@ AsIs = Annotated[
     bool, typer.Option("--as-is", help="One patch per face of the file; so by default for .stl, .ply and .vs3.")
 ]
 TwoSided = Annotated[
-    bool, typer.Option("--two-sided/--one-sided", help="Whether backs take part; every back is a row of its own.")
+    bool | None,
+    typer.Option(
+        "--two-sided/--one-sided",
+        help="Whether backs take part, each a row of its own; as the file says by default, one-sided for .obj.",
+        show_default=False,
+    ),
+]
+Enclosure = Annotated[
+    bool | None,
+    typer.Option(
+        "--enclosure/--no-enclosure",
+        help="Whether rows should sum to 1; as the file says by default, or the row sums themselves.",
+        show_default=False,
+    ),
 ]
 Compare = Annotated[bool, typer.Option("--compare", help="Run all methods and show them side by side; saves nothing.")]
 
@@ -88,14 +101,14 @@ def factors(
     points: Points = None,
     by: Between = None,
     compare_all: Compare = False,
-    enclosure: options.Enclosure = None,
+    enclosure: Enclosure = None,
     max_edge: options.MaxEdge = None,
     patches: options.PatchCount = None,
     as_is: AsIs = False,
     max_patches: options.MaxPatches = None,
     memory: options.Memory = None,
     unit: options.Unit = None,
-    two_sided: TwoSided = False,
+    two_sided: TwoSided = None,
     threads: options.Threads = None,
     seed: options.Seed = 0,
     as_json: options.AsJson = False,
@@ -113,14 +126,17 @@ def factors(
     source.use_threads(threads)
     if compare_all and (targets or method != "auto"):
         raise bad_argument("--compare runs all methods and saves nothing: leave out --method and --output")
-    if compare_all and max_patches is None:
-        max_patches = compare.MOST_PATCHES
     whole_faces = as_is or (max_edge is None and patches is None and Path(file).suffix.lower() in FACES_ARE_PATCHES)
     meshing = source.Meshing(max_edge, patches, whole_faces, max_patches)
+    if compare_all:
+        meshing = compare.within_reach(meshing)
+    if two_sided is None and Path(file).suffix.lower() == ".obj":
+        two_sided = False  # the format does not say, and backs double the rows
     scene = source.open_scene(file, unit=unit, two_sided=two_sided)
     elements = source.cut(file, scene, meshing)
     if compare_all:
-        compare.compare(file, elements, settings, enclosure=enclosure, as_json=as_json, quiet=quiet)
+        most = max_patches or compare.MOST_PATCHES
+        compare.compare(file, elements, settings, max_patches=most, enclosure=enclosure, as_json=as_json, quiet=quiet)
         return
     f = measure(file, elements, settings, quiet=quiet)
     surfaces = f.by_surface() if (by or _usual(file)) == "surface" else None
@@ -215,8 +231,10 @@ class Told:
         print(f"{'row sums':<18}{least:.6f} to {greatest:.6f}, mean by area {mean:.6f}")
         print(
             f"{'farthest from 1':<18}{self.farthest}: {self.farthest.row_sum:.6f} "
-            f"({abs(self.farthest.row_sum - 1):.1e} off)"
+            f"({abs(self.farthest.row_sum - 1):.2g} off)"
         )
+        if not self.enclosure:
+            print(f"{'enclosure':<18}no, so that row sums are not held against 1 (--enclosure does it)")
         if self.surfaces is not None:
             lines = _matrix(self.surfaces)
             fits = len(lines[0]) <= shutil.get_terminal_size().columns and len(lines) <= MOST_SHOWN
@@ -239,12 +257,12 @@ def _matrix(surfaces: SurfaceFactors) -> list[str]:
     """F between few surfaces as lines: from the one on the left to the one above."""
     names = surfaces.names
     left = max(map(len, ("from \\ to", *names)))
-    widths = [max(len(name), 7) for name in (*names, "sum")]
+    widths = [max(len(name), 6) for name in (*names, "sum")]
     lines = [
         " ".join([f"{'from | to':<{left}}", *(f"{name:>{w}}" for name, w in zip((*names, "sum"), widths, strict=True))])
     ]
     for name, row, total in zip(names, surfaces.F, surfaces.closure(), strict=True):
-        numbers = (f"{factor:>{w}.5f}" for factor, w in zip((*row, total), widths, strict=True))
+        numbers = (f"{factor:>{w}.4f}" for factor, w in zip((*row, total), widths, strict=True))
         lines.append(" ".join([f"{name:<{left}}", *numbers]))
     return lines
 
