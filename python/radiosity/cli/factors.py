@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from radiosity.cli import compare, interrupt, options, output, source
+from radiosity.cli import compare, factor_summary, interrupt, options, output, source
 from radiosity.cli.failure import ExitCode, Stop, bad_argument
 from radiosity.cli.progress import Bar
 
 if TYPE_CHECKING:
-    from radiosity import Finding, FormFactors, Patches, Scene, SurfaceFactors
-    from radiosity.diagnosis import Place
+    from radiosity import FormFactors, Patches, SurfaceFactors
 
 SUFFIXES = (".npz", ".csv")
 
 FACES_ARE_PATCHES = (".stl", ".ply", ".vs3")
 """Files whose faces are the patches that their authors want factors between."""
-
-MOST_SHOWN = 10
-"""So many surfaces are shown as a table."""
 
 By = Literal["patch", "surface"]
 
@@ -121,36 +116,50 @@ def factors(
     """
     targets = outputs or []
     output.check_outputs(targets, SUFFIXES, file)
-    effort = Effort(method, tolerance, rays, resolution, hemicubes, points, memory, threads, seed)
-    settings = effort.settings()
-    source.use_threads(threads)
     if compare_all and (targets or method != "auto"):
         raise bad_argument("--compare runs all methods and saves nothing: leave out --method and --output")
-    whole_faces = as_is or (max_edge is None and patches is None and Path(file).suffix.lower() in FACES_ARE_PATCHES)
-    meshing = source.Meshing(max_edge, patches, whole_faces, max_patches)
-    if compare_all:
-        meshing = compare.within_reach(meshing)
-    if two_sided is None and Path(file).suffix.lower() == ".obj":
-        two_sided = False  # the format does not say, and backs double the rows
-    scene = source.open_scene(file, unit=unit, two_sided=two_sided)
-    elements = source.cut(file, scene, meshing)
+    settings = Effort(method, tolerance, rays, resolution, hemicubes, points, memory, threads, seed).settings()
+    source.use_threads(threads)
+    meshing = _meshing(file, max_edge, patches, as_is, max_patches)
+    scene = source.open_scene(file, unit=unit, two_sided=_sides(file, two_sided))
     if compare_all:
         most = max_patches or compare.MOST_PATCHES
+        elements = source.cut(file, scene, compare.within_reach(meshing))
         compare.compare(file, elements, settings, max_patches=most, enclosure=enclosure, as_json=as_json, quiet=quiet)
         return
-    f = measure(file, elements, settings, quiet=quiet)
+    f = measure(file, source.cut(file, scene, meshing), settings, quiet=quiet)
     surfaces = f.by_surface() if (by or _usual(file)) == "surface" else None
-    for target in targets:
-        with interrupt.writing(), output.naming_file(target):
-            (surfaces or f).save(target)
-    told = _tell(file, f, surfaces, enclosure)
+    _save(surfaces or f, targets)
+    summary = factor_summary.summarise(file, f, surfaces, enclosure)
     if as_json:
-        output.print_json({"scene": file, "outputs": targets, **told.to_dict()})
+        output.print_json({"scene": file, "outputs": targets, **summary.to_dict()})
     elif not quiet:
-        told.show()
+        summary.show()
         for target in targets:
             print(f"wrote {target}")
     _demand_tolerance(file, f, tolerance)
+
+
+def _meshing(
+    file: str, max_edge: float | None, count: int | None, as_is: bool, max_patches: int | None
+) -> source.Meshing:
+    """How to cut; where nothing is said, the faces of some files are the patches."""
+    is_open = max_edge is None and count is None
+    return source.Meshing(max_edge, count, as_is or (is_open and _suffix(file) in FACES_ARE_PATCHES), max_patches)
+
+
+def _sides(file: str, two_sided: bool | None) -> bool | None:
+    """Which sides take part; OBJ does not say, and backs would double the rows."""
+    return False if two_sided is None and _suffix(file) == ".obj" else two_sided
+
+
+def _usual(file: str) -> By:
+    """What factors are wanted between: View3D's surfaces are what its users count by."""
+    return "surface" if _suffix(file) == ".vs3" else "patch"
+
+
+def _suffix(file: str) -> str:
+    return Path(file).suffix.lower()
 
 
 def measure(file: str, patches: Patches, settings: dict[str, Any], *, quiet: bool) -> FormFactors:
@@ -165,106 +174,10 @@ def measure(file: str, patches: Patches, settings: dict[str, Any], *, quiet: boo
         return radiosity.form_factors(patches, **settings, progress=bar)
 
 
-def _usual(file: str) -> By:
-    """What factors are wanted between: View3D's surfaces are what its users count by."""
-    return "surface" if Path(file).suffix.lower() == ".vs3" else "patch"
-
-
-def _unused_hints(scene: Scene) -> list[Finding]:
-    """What the file asks of the computation that is left to the options."""
-    from radiosity import Finding
-
-    found = []
-    if "tolerance" in scene.hints:
-        eps = scene.hints["tolerance"]
-        message = f"eps={eps:g} says when View3D stops refining, not how wrong a factor may be: see --tolerance"
-        found.append(Finding("note", "unused-hint", "", message))
-    if scene.hints.get("emissivity"):
-        message = "emit=1 asks for factors with reflections; these are without"
-        found.append(Finding("note", "unused-hint", "", message))
-    if "row" in scene.hints or "column" in scene.hints:
-        found.append(Finding("note", "unused-hint", "", "row= and col= are not used: all factors are measured"))
-    return found
-
-
-@dataclass(frozen=True)
-class Told:
-    """What is said of form factors."""
-
-    factors: FormFactors
-    surfaces: SurfaceFactors | None
-    entries: int
-    closure: tuple[float, float, float]
-    """Least, mean by area and greatest row sum."""
-    farthest: Place
-    enclosure: bool
-    findings: list[Finding]
-    file: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        least, mean, greatest = self.closure
-        content: dict[str, Any] = {
-            "patches": len(self.factors.patches),
-            "rows": self.factors.shape[0],
-            "entries": self.entries,
-            "report": self.factors.report.to_dict(),
-            "closure_min": least,
-            "closure_mean": mean,
-            "closure_max": greatest,
-            "farthest_from_closure": asdict(self.farthest),
-            "enclosure": self.enclosure,
-            "findings": output.findings_out(self.findings),
-        }
-        if self.surfaces is not None:
-            s = self.surfaces
-            content["surfaces"] = {"names": s.names, "area": s.area.tolist(), "F": s.F.tolist()}
-        return content
-
-    def show(self) -> None:
-        """For people."""
-        n, rows = len(self.factors.patches), self.factors.shape[0]
-        sides = f" with {rows:,} sides" if rows != n else ""
-        print(f"{self.file}: {n:,} patches{sides}, {self.entries:,} form factors above zero")
-        print(self.factors.report)
-        least, mean, greatest = self.closure
-        print(f"{'row sums':<18}{least:.6f} to {greatest:.6f}, mean by area {mean:.6f}")
-        print(
-            f"{'farthest from 1':<18}{self.farthest}: {self.farthest.row_sum:.6f} "
-            f"({abs(self.farthest.row_sum - 1):.2g} off)"
-        )
-        if not self.enclosure:
-            print(f"{'enclosure':<18}no, so that row sums are not held against 1 (--enclosure does it)")
-        if self.surfaces is not None:
-            lines = _matrix(self.surfaces)
-            fits = len(lines[0]) <= shutil.get_terminal_size().columns and len(lines) <= MOST_SHOWN
-            print("\n".join(["", *lines, ""]) if fits else f"{'surfaces':<18}{len(self.surfaces.names):,}")
-        output.show_findings(self.findings)
-
-
-def _tell(file: str, f: FormFactors, surfaces: SurfaceFactors | None, enclosure: bool | None) -> Told:
-    from radiosity import diagnosis
-
-    closure = f.closure()
-    summary = float(closure.min()), diagnosis.mean_closure(f), float(closure.max())
-    closed = diagnosis.is_enclosure(f) if enclosure is None else enclosure
-    findings = diagnosis.of(f, enclosure=enclosure) + _unused_hints(f.patches.scene)
-    entries = int(f.to_scipy_sparse().nnz)
-    return Told(f, surfaces, entries, summary, diagnosis.farthest(f), closed, findings, file)
-
-
-def _matrix(surfaces: SurfaceFactors) -> list[str]:
-    """F between few surfaces as lines: from the one on the left to the one above."""
-    names = surfaces.names
-    left = max(map(len, ("from \\ to", *names)))
-    widths = [max(len(name), 6) for name in (*names, "sum")]
-    lines = [
-        " ".join([f"{'from | to':<{left}}", *(f"{name:>{w}}" for name, w in zip((*names, "sum"), widths, strict=True))])
-    ]
-    for name, row, total in zip(names, surfaces.F, surfaces.closure(), strict=True):
-        numbers = (f"{factor:>{w}.4f}" for factor, w in zip((*row, total), widths, strict=True))
-        lines.append(" ".join([f"{name:<{left}}", *numbers]))
-    return lines
+def _save(factors: FormFactors | SurfaceFactors, targets: list[Path]) -> None:
+    for target in targets:
+        with interrupt.writing(), output.naming_file(target):
+            factors.save(target)
 
 
 def _demand_tolerance(file: str, f: FormFactors, tolerance: float | None) -> None:
