@@ -76,8 +76,11 @@ def of(factors: FormFactors, *, enclosure: bool | None = None) -> list[Finding]:
     """
     closed = is_enclosure(factors) if enclosure is None else enclosure
     blind = _blind(factors)
-    # Where nothing sees anything, a closed space is looked at from outside, or patches are alone.
-    shapes = factors.patches.scene.findings(enclosure=closed or (enclosure is None and bool(blind.all())))
+    shapes = factors.patches.scene.findings(enclosure=closed)
+    if not closed and blind.all():
+        # Perhaps a closed space that is looked at from outside.
+        turned = factors.patches.scene.findings(enclosure=True)
+        shapes += [finding for finding in turned if finding.code == "looking-outward"]
     found = [finding for finding in shapes if finding.code not in OPTICS]
     found += _seeing_nothing(factors, blind, closed)
     found += _turned(factors, blind)
