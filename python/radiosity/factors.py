@@ -312,7 +312,7 @@ def form_factors(
         method,
         DEFAULT_TOLERANCE if wanted is None else wanted,
         samples,
-        whole(resolution or DEFAULT_RESOLUTION, "resolution", 8, 4096),
+        _pixels(resolution),
         whole(seed, "seed", 0, 2**64 - 1),
         memory_or_most(memory_limit),
         threads_or_all(threads),
@@ -353,6 +353,14 @@ def _samples(
         few = 1 if tolerance is None else None
         return few if hemicubes is None else whole(hemicubes, "hemicubes", 1, 4096), tolerance
     return None, DEFAULT_TOLERANCE if tolerance is None else tolerance
+
+
+def _pixels(resolution: int | None) -> int:
+    """Pixels along an edge of a hemicube, whose sides are half as high."""
+    pixels = DEFAULT_RESOLUTION if resolution is None else whole(resolution, "resolution", 8, 4096)
+    if pixels % 2:
+        raise ValueError(f"resolution must be even, not {pixels}")
+    return pixels
 
 
 def _rays_for(tolerance: float) -> int:
