@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from known import ADJACENT, CUBE, HATCH, INWARD, OPPOSITE, VIEW3D_CUBE, cube, cube_factors
+from known import ADJACENT, CUBE, HATCH, INWARD, OPPOSITE, VIEW3D_CUBE, cube, cube_factors, square
 
 from radiosity import FormFactors, Scene, Surface, SurfaceFactors, form_factors, load
 
@@ -81,6 +81,15 @@ def test_what_nothing_is_left_of_is_left_out() -> None:
     scene = cube()
     scene.surfaces.insert(3, Surface(np.zeros((0, 3)), np.zeros((0, 4), int), name="nothing"))
     assert between(scene).names == tuple(INWARD)
+
+
+def test_they_print_as_a_table() -> None:
+    lower, upper = Surface(square(), [[0, 1, 2, 3]], name="lower plate"), Surface(square(z=1)[::-1], [[0, 1, 2, 3]])
+    assert str(between(Scene([lower, upper]))).splitlines() == [
+        "from | to   lower plate surface 1    sum",
+        "lower plate      0.0000    0.1998 0.1998",
+        "surface 1        0.1998    0.0000 0.1998",
+    ]
 
 
 @pytest.mark.parametrize("name", ["F.npz", "F.csv"])

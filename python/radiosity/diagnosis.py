@@ -9,11 +9,10 @@ Nothing here changes a number.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import csr_array
 
 from radiosity.scene import Finding
 
@@ -144,7 +143,7 @@ def _seeing_nothing(factors: FormFactors, blind: npt.NDArray[np.bool_], closed: 
     if len(patches) == 1 or not blind.any():
         return []
     # In an open scene a surface may well look away from all others.
-    severity: Any = "warning" if closed or blind.all() else "note"
+    severity: Literal["note", "warning"] = "warning" if closed or blind.all() else "note"
     if blind.all():
         message = (
             "no patch sees another; if they should, reverse the order of their corners so that normals face inward"
@@ -175,7 +174,7 @@ def _turned(factors: FormFactors, blind: npt.NDArray[np.bool_]) -> list[Finding]
     best = np.zeros(len(patches))
     np.maximum.at(best, factors.patch, factors.closure())
     suspects = np.flatnonzero(
-        (best + allowed_deviation(factors) < 0.5) & ~blind & (_of_neighbours(patches.polygons, best) > 0.95)
+        (best + allowed_deviation(factors) < 0.5) & ~blind & (_of_neighbours(patches.polygons, best) > 0.9)
     )
     spots = [place(factors, int(i)) for i in suspects[:MOST_NAMED]]
     meaning = "where its neighbours' are near 1: its normal may be inverted, or a face lies right before it"
@@ -183,16 +182,17 @@ def _turned(factors: FormFactors, blind: npt.NDArray[np.bool_]) -> list[Finding]
 
 
 def _of_neighbours(polygons: Floats, values: Floats) -> Floats:
-    """(n,) mean of the values of the patches that share a corner with each; 0 for those without neighbours."""
-    n = len(polygons)
-    size = float(np.ptp(polygons.reshape(-1, 3), axis=0).max()) or 1.0
-    _, corner = np.unique(np.round(polygons.reshape(-1, 3) / (1e-6 * size)), axis=0, return_inverse=True)
-    member = csr_array((np.ones(4 * n), (np.repeat(np.arange(n), 4), corner.reshape(-1))))
-    beside = member @ member.T
-    beside.data[:] = 1.0
-    # Every patch is beside itself once.
-    count = np.asarray(beside.sum(axis=1)).reshape(-1) - 1
-    return np.asarray((beside @ values - values) / np.maximum(count, 1))
+    """(n,) mean of the values of those at the corners of each patch, as often as they are there; 0 if there are none."""
+    n, corners = len(polygons), polygons.reshape(-1, 3)
+    grain = 1e-6 * (float(np.ptp(corners, axis=0).max()) or 1.0)
+    _, place_of = np.unique(np.round(corners / grain), axis=0, return_inverse=True)
+    corner = place_of.reshape(n, 4)
+    weight = np.ones((n, 4))
+    weight[corner[:, 2] == corner[:, 3], 3] = 0.0
+    own = weight * values[:, None]
+    total, count = np.bincount(corner.ravel(), own.ravel()), np.bincount(corner.ravel(), weight.ravel())
+    others = (weight * (total[corner] - own)).sum(axis=1)
+    return np.asarray(others / np.maximum((weight * (count[corner] - weight)).sum(axis=1), 1))
 
 
 def _deviations(factors: FormFactors, blind: npt.NDArray[np.bool_]) -> list[Finding]:

@@ -24,7 +24,7 @@ SUFFIXES = (".npz", ".csv")
 
 @dataclass(frozen=True, eq=False)
 class SurfaceFactors:
-    """Form factors between surfaces, made by :meth:`radiosity.FormFactors.by_surface`.
+    """Form factors between surfaces, made by :meth:`radiosity.FormFactors.by_surface`; prints as a table.
 
     Attributes:
         names: of the surfaces in the order of the scene, then of the backs of two-sided ones, as "NAME (back)".
@@ -36,6 +36,14 @@ class SurfaceFactors:
     names: tuple[str, ...]
     area: Floats
     F: Floats
+
+    def __str__(self) -> str:
+        heads = (*self.names, "sum")
+        left, widths = max(map(len, ("from | to", *self.names))), [max(len(head), 6) for head in heads]
+        lines = [[f"{'from | to':<{left}}", *(f"{head:>{w}}" for head, w in zip(heads, widths, strict=True))]]
+        for name, row in zip(self.names, np.column_stack([self.F, self.closure()]), strict=True):
+            lines.append([f"{name:<{left}}", *(f"{factor:>{w}.4f}" for factor, w in zip(row, widths, strict=True))])
+        return "\n".join(map(" ".join, lines))
 
     def closure(self) -> Floats:
         """(m,) row sums: 1 in a closed enclosure up to the error of the method, never normalised."""

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from radiosity import Finding, FormFactors, Scene, SurfaceFactors
     from radiosity.diagnosis import Place
 
-MOST_SHOWN = 10
-"""So many surfaces are shown as a table."""
+MOST_SHOWN = 20
+"""A table of factors between surfaces has so many lines at most."""
 
 
 @dataclass(frozen=True)
@@ -58,17 +58,22 @@ class Summary:
         print(self.factors.report)
         least, mean, greatest = self.closure
         print(f"{'row sums':<18}{least:.6f} to {greatest:.6f}, mean by area {mean:.6f}")
-        print(
-            f"{'farthest from 1':<18}{self.farthest}: {self.farthest.row_sum:.6f} "
-            f"({abs(self.farthest.row_sum - 1):.2g} off)"
-        )
+        sum_there = self.farthest.row_sum
+        off = f" ({abs(sum_there - 1):.2g} off)" if self.enclosure else ""
+        print(f"{'farthest from 1':<18}{self.farthest}: {sum_there:.6f}{off}")
         if not self.enclosure:
             print(f"{'enclosure':<18}no, so that row sums are not held against 1 (--enclosure does it)")
         if self.surfaces is not None:
-            lines = _matrix(self.surfaces)
-            fits = len(lines[0]) <= shutil.get_terminal_size().columns and len(lines) <= MOST_SHOWN
-            print("\n".join(["", *lines, ""]) if fits else f"{'surfaces':<18}{len(self.surfaces.names):,}")
+            self._show_surfaces(str(self.surfaces))
         output.show_findings(self.findings)
+
+    def _show_surfaces(self, table: str) -> None:
+        """The factors between surfaces where there is room for them."""
+        lines = table.splitlines()
+        if len(lines) <= MOST_SHOWN and len(lines[0]) <= shutil.get_terminal_size().columns:
+            print(f"\n{table}\n")
+        else:
+            print(f"{'surfaces':<18}{len(lines) - 1:,}, too many to be shown here")
 
 
 def summarise(file: str, f: FormFactors, surfaces: SurfaceFactors | None, enclosure: bool | None) -> Summary:
@@ -81,20 +86,6 @@ def summarise(file: str, f: FormFactors, surfaces: SurfaceFactors | None, enclos
     findings = diagnosis.of(f, enclosure=enclosure) + _unused_hints(f.patches.scene)
     entries = int(f.to_scipy_sparse().nnz)
     return Summary(f, surfaces, entries, sums, diagnosis.farthest(f), closed, findings, file)
-
-
-def _matrix(surfaces: SurfaceFactors) -> list[str]:
-    """F between few surfaces as lines: from the one on the left to the one above."""
-    names = surfaces.names
-    left = max(map(len, ("from \\ to", *names)))
-    widths = [max(len(name), 6) for name in (*names, "sum")]
-    lines = [
-        " ".join([f"{'from | to':<{left}}", *(f"{name:>{w}}" for name, w in zip((*names, "sum"), widths, strict=True))])
-    ]
-    for name, row, total in zip(names, surfaces.F, surfaces.closure(), strict=True):
-        numbers = (f"{factor:>{w}.4f}" for factor, w in zip((*row, total), widths, strict=True))
-        lines.append(" ".join([f"{name:<{left}}", *numbers]))
-    return lines
 
 
 def _unused_hints(scene: Scene) -> list[Finding]:
