@@ -25,6 +25,9 @@ Indices = npt.NDArray[np.intp]
 CLOSED = 0.98
 """Mean row sum by area above which patches are taken to enclose a space."""
 
+ENCLOSED = 0.8
+"""Mean row sum of its neighbours above which a patch should see much too."""
+
 LEAST_DEVIATION = 1e-3
 """Deviations of a row sum up to this are not worth a word."""
 
@@ -173,16 +176,19 @@ def _turned(factors: FormFactors, blind: npt.NDArray[np.bool_]) -> list[Finding]
     patches = factors.patches
     best = np.zeros(len(patches))
     np.maximum.at(best, factors.patch, factors.closure())
-    suspects = np.flatnonzero(
-        (best + allowed_deviation(factors) < 0.5) & ~blind & (_of_neighbours(patches.polygons, best) > 0.9)
-    )
-    spots = [place(factors, int(i)) for i in suspects[:MOST_NAMED]]
-    meaning = "where its neighbours' are near 1: its normal may be inverted, or a face lies right before it"
-    return [Finding("warning", "sees-little", str(spot), f"row sum {spot.row_sum:.4g} {meaning}") for spot in spots]
+    around = _of_neighbours(patches.polygons, best)
+    suspects = np.flatnonzero((best + allowed_deviation(factors) < 0.5) & ~blind & (around > ENCLOSED))
+    meaning = "its normal may be inverted, or a face lies right before it"
+    found = []
+    for i in suspects[:MOST_NAMED]:
+        spot = place(factors, int(i))
+        message = f"row sum {spot.row_sum:.4g} where those of its neighbours average {around[i]:.2g}: {meaning}"
+        found.append(Finding("warning", "sees-little", str(spot), message))
+    return found
 
 
 def _of_neighbours(polygons: Floats, values: Floats) -> Floats:
-    """(n,) mean of the values of those at the corners of each patch, as often as they are there; 0 if there are none."""
+    """(n,) mean of the values of what meets each patch at its corners, counted at each of them; 0 if nothing does."""
     n, corners = len(polygons), polygons.reshape(-1, 3)
     grain = 1e-6 * (float(np.ptp(corners, axis=0).max()) or 1.0)
     _, place_of = np.unique(np.round(corners / grain), axis=0, return_inverse=True)
