@@ -17,7 +17,7 @@ MOST_PATCHES = 3000
 """More than these are not compared unless asked for: every pair is integrated several times."""
 
 TIGHTER = 100
-"""How much smaller the tolerance of the reference is where something stands between patches."""
+"""How much smaller the tolerance of the reference is."""
 
 WIDTH = 80
 """Columns that the table may take in any case."""
@@ -77,12 +77,10 @@ def compare(
         )
     tolerance = _tolerance(settings)
     found = {method: _measured(file, patches, _settings_of(method, settings), quiet) for method in METHODS}
-    if found["auto"].report.pairs_partly_hidden:
-        tight = {"method": "auto", "tolerance": tolerance / TIGHTER}
-        reference = _measured(file, patches, _common(settings) | tight, quiet, "reference")
-        name = f"auto to {tolerance / TIGHTER:.0e}"
-    else:
-        reference, name = found["contour"], "contour, as every pair is in full view"
+    is_open = not found["auto"].report.pairs_partly_hidden
+    tight = {"method": "contour" if is_open else "auto", "tolerance": tolerance / TIGHTER}
+    reference = _measured(file, patches, _common(settings) | tight, quiet, "reference")
+    name = f"{reference.report.method} to {tolerance / TIGHTER:.0e}"
     rows = [_row(f, reference, settings) for f in found.values()]
     closed = diagnosis.is_enclosure(reference) if enclosure is None else enclosure
     if as_json:

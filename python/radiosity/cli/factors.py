@@ -116,8 +116,8 @@ def factors(
     """
     targets = outputs or []
     output.check_outputs(targets, SUFFIXES, file)
-    if compare_all and (targets or method != "auto"):
-        raise bad_argument("--compare runs all methods and saves nothing: leave out --method and --output")
+    if compare_all and (targets or by or method != "auto"):
+        raise bad_argument("--compare runs all methods and saves nothing: leave out --method, --by and --output")
     settings = Effort(method, tolerance, rays, resolution, hemicubes, points, memory, threads, seed).settings()
     source.use_threads(threads)
     meshing = _meshing(file, max_edge, patches, as_is, max_patches)
