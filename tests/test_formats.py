@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from known import ADJACENT, CUBE, INWARD, OPPOSITE, Runner, cube, square
+from known import ADJACENT, CUBE, HATCH, INWARD, OPPOSITE, VIEW3D_CUBE, Runner, cube, square
 
 from radiosity import Scene, SceneError, Surface, _native, form_factors, load, solve
 
@@ -93,28 +93,6 @@ def test_closed_samples_close() -> None:
         assert load(SCENES / name, unit="cm").patches(as_is=True).area.sum() == pytest.approx(14e-4)
 
 
-VIEW3D_CUBE = """T A simple cube
-C encl=1 list=3 eps=1e-3 row=4
-F 3
-V  1   0.   0.   0.
-V  2   1.   0.   0.
-V  3   1.   1.   0.
-V  4   0.   1.   0.
-V  5   0.   0.   1.
-V  6   1.   0.   1.
-V  7   1.   1.   1.
-V  8   0.   1.   1.
-S  1    1   2   3   4   0   0   0.50  zeq0
-S  2    1   4   8   5   0   0   0.50  xeq0
-S  3    1   5   6   2   0   0   0.50  yeq0
-S  4    7   6   5   8   0   0   0.50  zeq1
-S  5    7   3   2   6   0   0   0.50  xeq1
-S  6    7   8   4   3   0   0   0.50  yeq1
-End of data
-"""
-"""The example of the user manual of View3D 3.3, section 6.1, whose answer it gives as well."""
-
-
 def test_the_cube_of_view3d_has_its_factors(tmp_path: Path) -> None:
     (tmp_path / "cube.vs3").write_text(VIEW3D_CUBE)
     scene = load(tmp_path / "cube.vs3")
@@ -130,9 +108,7 @@ def test_the_cube_of_view3d_has_its_factors(tmp_path: Path) -> None:
 
 def test_what_view3d_separates_means_the_same(tmp_path: Path) -> None:
     """A subsurface takes area and factors from its base: F of the base is that of its remainder, and all add up."""
-    hatch = "V 9 .2 .3 0\nV 10 .7 .3 0\nV 11 .7 .8 0\nV 12 .2 .8 0\n"
-    text = VIEW3D_CUBE.replace("S  1  ", f"{hatch}S  1  ").replace("End", "S 7 9 10 11 12 1 0 0.5 hatch\nEnd")
-    (tmp_path / "hatch.vs3").write_text(text)
+    (tmp_path / "hatch.vs3").write_text(HATCH)
     patches = load(tmp_path / "hatch.vs3").patches(as_is=True)
     area = np.bincount(patches.surface, patches.area)
     assert area == pytest.approx([0.75, 1, 1, 1, 1, 1, 0.25])

@@ -14,13 +14,14 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from radiosity import catalogue, scenes
+    from radiosity import catalogue, diagnosis, scenes
     from radiosity._native import ResourceError, SceneError, __version__
     from radiosity.factors import FormFactors, form_factors
     from radiosity.patches import Patches
     from radiosity.report import Report
     from radiosity.scene import Camera, DirectionalLight, Finding, PointLight, Scene, SpotLight, Surface, load
     from radiosity.solution import Solution, solve
+    from radiosity.surface_factors import SurfaceFactors
 
 __all__ = [
     "Camera",
@@ -36,8 +37,10 @@ __all__ = [
     "Solution",
     "SpotLight",
     "Surface",
+    "SurfaceFactors",
     "__version__",
     "catalogue",
+    "diagnosis",
     "form_factors",
     "load",
     "scenes",
@@ -63,8 +66,21 @@ _HOME = {
     "load": "scene",
     "Solution": "solution",
     "solve": "solution",
+    "SurfaceFactors": "surface_factors",
 }
-_MODULES = {"catalogue", "factors", "files", "patches", "picture", "report", "scene", "scenes", "solution"}
+_MODULES = {
+    "catalogue",
+    "diagnosis",
+    "factors",
+    "files",
+    "patches",
+    "picture",
+    "report",
+    "scene",
+    "scenes",
+    "solution",
+    "surface_factors",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -47,7 +47,9 @@ def _arrays(factors: FormFactors) -> Arrays:
         "patch": factors.patch, "closure": factors.closure(),
         "area": p.area, "centre": p.centre, "normal": p.normal, "surface": p.surface, "face": p.face,
         "polygons": p.polygons, "two_sided": p.two_sided, "obstructions": p.obstructions,
-        "surface_names": np.array([s.name for s in p.scene.surfaces]), "bands": np.array(p.scene.bands),
+        "surface_names": np.array([s.name for s in p.scene.surfaces]),
+        "combined": np.array(list(p.scene.combined.items()), dtype=np.int64).reshape(-1, 2),
+        "bands": np.array(p.scene.bands),
         "reflectance": p.reflectance, "emission": p.emission, "report": np.array(json.dumps(report)),
     }  # fmt: skip
 
@@ -90,8 +92,7 @@ def load_factors(path: PathLike, patches: Patches | None = None) -> FormFactors:
         native = _native.given_factors(patches._enclosure, offsets, columns, values)
     except ValueError as e:
         raise ValueError(f"{path}: {e}") from e
-    factors = FormFactors(patches, native, report["method"], report["tolerance"])
-    return factors
+    return FormFactors(patches, native, report["method"], report["tolerance"])
 
 
 def _patches(arrays: Arrays) -> Patches:
@@ -110,7 +111,9 @@ def _patches(arrays: Arrays) -> Patches:
     blockers = arrays["obstructions"]
     obstructions = [Surface(blockers.reshape(-1, 3), _faces(blockers), name="obstructions")] if len(blockers) else []
     bands = [str(band) for band in arrays["bands"]]
-    return Scene(surfaces, bands=bands, obstructions=obstructions, name="form factors").patches(as_is=True)
+    combined = {int(part): int(whole) for part, whole in arrays.get("combined", [])}
+    scene = Scene(surfaces, bands=bands, obstructions=obstructions, name="form factors", combined=combined)
+    return scene.patches(as_is=True)
 
 
 def _faces(polygons: npt.NDArray[Any]) -> npt.NDArray[np.int64]:

@@ -17,6 +17,7 @@ from radiosity.checks import memory_or_most, threads_or_all, whole
 
 if TYPE_CHECKING:
     from radiosity.patches import Patches
+    from radiosity.surface_factors import SurfaceFactors
 
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int, int], object]
@@ -177,7 +178,9 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         ``report.disagreement`` tells how far apart both ends were before they were combined.
         """
         matrix = self.to_scipy_sparse()
-        exchange = csr_array((matrix.data * np.repeat(self.area, np.diff(matrix.indptr)), matrix.indices, matrix.indptr))
+        exchange = csr_array(
+            (matrix.data * np.repeat(self.area, np.diff(matrix.indptr)), matrix.indices, matrix.indptr)
+        )
         difference = abs(exchange - exchange.T).tocoo()
         if difference.nnz == 0:
             return 0.0
@@ -210,6 +213,12 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         if left > ENFORCED:
             raise ValueError(f"no reciprocal form factors have these row sums: some stay {left:.1e} off")
         return FormFactors(self.patches, native, self.report.method, self.report.tolerance)
+
+    def by_surface(self) -> SurfaceFactors:
+        """The form factors between whole surfaces; those that the scene combines count as one."""
+        from radiosity.surface_factors import summed  # noqa: PLC0415
+
+        return summed(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write ``.npz`` (reads back with :meth:`load` and with ``scipy.sparse.load_npz``) or ``.csv``.
@@ -268,7 +277,8 @@ def form_factors(
             "auto": per pair the cheapest way that meets the tolerance: Gauss points on both areas, contour integrals
             where patches are near or touch; where something may stand between, exactly what is visible, integrated
             adaptively, or a few rays where they suffice.
-            "analytic": closed forms where all edges are parallel or perpendicular, contour integrals to 1e-12 elsewhere.
+            "analytic": closed forms where all edges are parallel or perpendicular, contour integrals to 1e-12
+            elsewhere.
             "contour": contour integrals for every pair.
             "nusselt": Nusselt's analog, the projected area on the base of the hemisphere, averaged over points.
             "hemicube": item buffers of hemicubes on every patch (Cohen and Greenberg 1985).
@@ -302,7 +312,7 @@ def form_factors(
         method,
         DEFAULT_TOLERANCE if wanted is None else wanted,
         samples,
-        _even(whole(DEFAULT_RESOLUTION if resolution is None else resolution, "resolution", 8, 4096)),
+        _pixels(resolution),
         whole(seed, "seed", 0, 2**64 - 1),
         memory_or_most(memory_limit),
         threads_or_all(threads),
@@ -345,10 +355,12 @@ def _samples(
     return None, DEFAULT_TOLERANCE if tolerance is None else tolerance
 
 
-def _even(resolution: int) -> int:
-    if resolution % 2:
-        raise ValueError(f"resolution must be even, as the sides of a hemicube have half of it, and not {resolution}")
-    return resolution
+def _pixels(resolution: int | None) -> int:
+    """Pixels along an edge of a hemicube, whose sides are half as high."""
+    pixels = DEFAULT_RESOLUTION if resolution is None else whole(resolution, "resolution", 8, 4096)
+    if pixels % 2:
+        raise ValueError(f"resolution must be even, not {pixels}")
+    return pixels
 
 
 def _rays_for(tolerance: float) -> int:

@@ -12,8 +12,6 @@ from radiosity.cli.failure import ExitCode
 if TYPE_CHECKING:
     from radiosity import Finding
 
-_STYLES = {"error": "bold red", "warning": "yellow", "note": "cyan"}
-
 
 def check(
     file: options.SceneFile,
@@ -52,15 +50,7 @@ def _examine(file: str, unit: str | None, two_sided: bool | None, enclosure: boo
 
 
 def _show(file: str, summary: str, findings: list[Finding]) -> None:
-    from rich.console import Console
-    from rich.text import Text
-
-    console = Console(highlight=False, soft_wrap=True)
-    console.print(Text(f"{file}: {summary}"))
-    for finding in findings:
-        where = f"{finding.element}: " if finding.element else ""
-        console.print(
-            Text(finding.severity, _STYLES[finding.severity]), Text(f"[{finding.code}] {where}{finding.message}")
-        )
+    print(f"{file}: {summary}")
+    output.show_findings(findings)
     if not findings:
-        console.print("nothing to remark")
+        print("nothing to remark")

@@ -24,6 +24,8 @@ _REMEDIES = {
     "memory": "more samples would not fit the memory; raise --memory or give fewer patches",
 }
 
+_STYLES = {"error": "bold red", "warning": "yellow", "note": "cyan"}
+
 
 def check_outputs(paths: Sequence[Path], suffixes: Sequence[str], source: str = "") -> None:
     """Refuse before any work what could not be written after it.
@@ -79,6 +81,19 @@ def _plain(value: Any) -> Any:
 def findings_out(findings: Sequence[Finding]) -> list[dict[str, str]]:
     """Findings for JSON."""
     return [asdict(finding) for finding in findings]
+
+
+def show_findings(findings: Sequence[Finding]) -> None:
+    """A line for each finding, its severity in colour."""
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(highlight=False, soft_wrap=True)
+    for finding in findings:
+        where = f"{finding.element}: " if finding.element else ""
+        console.print(
+            Text(finding.severity, _STYLES[finding.severity]), Text(f"[{finding.code}] {where}{finding.message}")
+        )
 
 
 def warn_of_findings(file: str, findings: Sequence[Finding]) -> None:
