@@ -60,9 +60,9 @@ pub enum Failure {
     Cancelled,
     /// They would not fit.
     #[error(
-        "the form factors of {sides} sides may take {:.1} MB and the limit is {:.1} MB; raise the limit, use fewer \
-         patches, or solve without form factors",
-        *needed as f64 / 1e6, *limit as f64 / 1e6
+        "the form factors of {sides} sides may take {} and the limit is {}; raise the limit, use fewer patches, or \
+         solve without form factors",
+        bytes(*needed), bytes(*limit)
     )]
     Memory {
         /// Sides.
@@ -72,6 +72,15 @@ pub enum Failure {
         /// Bytes allowed.
         limit: u64,
     },
+}
+
+/// A size in the unit that suits it.
+fn bytes(size: u64) -> String {
+    match size {
+        0..1_000_000 => format!("{:.1} kB", size as f64 / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", size as f64 / 1e6),
+        _ => format!("{:.1} GB", size as f64 / 1e9),
+    }
 }
 
 impl From<Cancelled> for Failure {

@@ -471,9 +471,10 @@ impl<'a> Task<'a> {
             })
         };
         let (there, back) = (from(first, second), from(second, first));
-        let smaller = first.facet.area.min(second.facet.area);
-        self.tally.disagreement = self.tally.disagreement.max((there - back).abs() / smaller);
-        0.5 * (there + back)
+        let (a, b) = (first.facet.area, second.facet.area);
+        self.tally.disagreement = self.tally.disagreement.max((there - back).abs() / a.min(b));
+        // The smaller facet, whose points are nearer to each other, knows better.
+        (there * b + back * a) / (a + b)
     }
 
     /// Sums the Gauss points of the pairs put aside and takes off what is hidden.

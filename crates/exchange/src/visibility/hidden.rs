@@ -178,6 +178,9 @@ const ORBITS: [(f64, f64); 2] =
     [(0.101_286_507_323_456_34, 0.125_939_180_544_827_15), (0.470_142_064_105_115_1, 0.132_394_152_788_506_2)];
 const CENTRE: f64 = 0.225;
 
+/// The least error left of a cell, as a share of how rough it looks: halves may agree by chance where a kink is.
+const ROUGH_SHARE: f64 = 0.1;
+
 /// How far corners are moved toward the middle.
 const CORNER_INSET: f64 = 1e-3;
 
@@ -223,7 +226,7 @@ impl Cell {
         // the halves share that by how rough they look themselves.
         let change = (self.value - children.iter().map(|c| c.value).sum::<f64>()).abs();
         let rough: f64 = children.iter().map(|c| c.roughness).sum();
-        let left = (0.5 * change).max(0.02 * rough);
+        let left = (0.5 * change).max(ROUGH_SHARE * rough);
         for child in &mut children {
             child.error = if rough > 0.0 { left * child.roughness / rough } else { 0.0 };
         }
