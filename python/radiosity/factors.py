@@ -190,8 +190,9 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
     def enforce(self, what: Literal["closure"] = "closure", sums: npt.ArrayLike = 1.0) -> FormFactors:
         """Form factors nearest to these, reciprocal, not negative, whose rows sum to what is known.
 
-        Least squares by relative change: Larsen and Howell (1986), *Least-squares smoothing of direct-exchange areas
-        in zonal analysis*, J. Heat Transfer 108, 239. These stay as they are.
+        Least squares, weighted by standard errors where rays found the factors and by their size elsewhere: Larsen
+        and Howell (1986), *Least-squares smoothing of direct-exchange areas in zonal analysis*, J. Heat Transfer 108,
+        239. These factors stay as they are.
 
         Args:
             what: "closure".

@@ -1,27 +1,44 @@
 //! Row sums made what they are known to be, at least cost.
 //!
 //! Larsen and Howell (1986, *Least-squares smoothing of direct-exchange areas in zonal analysis*, J. Heat Transfer 108,
-//! 239): among all symmetric exchanges X with the row sums wanted, the one that minimises
-//! `sum (X_ij - G_ij)^2 / G_ij^2`. With a multiplier a row, `X_ij = G_ij + G_ij^2 (m_i + m_j)` and
-//! `(diag(W 1) + W) m = wanted - G 1` for `W_ij = G_ij^2`: symmetric and positive semidefinite, solved by conjugate
-//! gradients. Entries that would become negative are set to zero and the rest is fitted again.
+//! 239): among all symmetric exchanges X with the row sums wanted, the one that minimises `sum (X_ij - G_ij)^2 / W_ij`.
+//! With a multiplier a row, `X_ij = G_ij + W_ij (m_i + m_j)` and `(diag(W 1) + W) m = wanted - G 1`: symmetric and
+//! positive semidefinite, solved by conjugate gradients. Entries that would become negative are set to zero and the
+//! rest is fitted again.
+//!
+//! W are the variances of the entries where they are known, which makes X the likeliest (Gauss and Markov); else G^2, as
+//! in the article: all entries are trusted alike, relative to their size.
 
 use radiosity_operator::{Cancelled, Control, Operator, Symmetric};
 
 /// An exchange with the row sums wanted, and the greatest relative deviation from them that is left.
 ///
-/// Rows without entries stay empty. What cannot be met, as in an enclosure of two patches of different area, is met
-/// as nearly as it can be.
-pub fn with_row_sums(exchange: &Symmetric, wanted: &[f64], control: &Control) -> Result<(Symmetric, f64), Cancelled> {
+/// Rows without entries stay empty. What cannot be met, as in an enclosure of two patches of different area, is left as
+/// it is or met as nearly as it can be.
+pub fn with_row_sums(
+    exchange: &Symmetric,
+    variance: Option<&Symmetric>,
+    wanted: &[f64],
+    control: &Control,
+) -> Result<(Symmetric, f64), Cancelled> {
+    let sees: Vec<bool> = exchange.row_sums().iter().map(|s| *s > 0.0).collect();
+    let worst = |exchange: &Symmetric| -> f64 {
+        let sums = exchange.row_sums();
+        let deviation = |i: usize| if wanted[i] > 0.0 { (sums[i] / wanted[i] - 1.0).abs() } else { sums[i] };
+        (0..sums.len()).filter(|&i| sees[i]).map(deviation).fold(0.0, f64::max)
+    };
     let mut fitted = exchange.clone();
-    let mut deviation = worst(&fitted, wanted);
+    let mut deviation = worst(&fitted);
     for _ in 0..MOST_ROUNDS {
         let sums = fitted.row_sums();
-        let missing: Vec<f64> = sums.iter().zip(wanted).map(|(s, w)| if *s > 0.0 { w - s } else { 0.0 }).collect();
-        let weights = fitted.mapped(|_, _, g| g * g);
+        let missing: Vec<f64> = (0..sums.len()).map(|i| if sees[i] { wanted[i] - sums[i] } else { 0.0 }).collect();
+        let weights = match variance {
+            Some(variance) => variance.clone(),
+            None => fitted.mapped(|_, _, g| g * g),
+        };
         let multipliers = solve(&weights, &missing, control)?;
-        let next = fitted.mapped(|i, j, g| (g + g * g * (multipliers[i] + multipliers[j])).max(0.0));
-        let left = worst(&next, wanted);
+        let next = fitted.plus(&weights, |i, j, g, w| (g + w * (multipliers[i] + multipliers[j])).max(0.0));
+        let left = worst(&next);
         if left >= deviation {
             break;
         }
@@ -35,15 +52,6 @@ pub fn with_row_sums(exchange: &Symmetric, wanted: &[f64], control: &Control) ->
 
 /// Fits after the first mend what rounding and entries cut off at zero left.
 const MOST_ROUNDS: usize = 20;
-
-fn worst(exchange: &Symmetric, wanted: &[f64]) -> f64 {
-    let sums = exchange.row_sums();
-    sums.iter()
-        .zip(wanted)
-        .filter(|(s, w)| **s > 0.0 && **w > 0.0)
-        .map(|(s, w)| (s / w - 1.0).abs())
-        .fold(0.0, f64::max)
-}
 
 /// `(diag(W 1) + W) m = b` by conjugate gradients, preconditioned by the diagonal.
 fn solve(weights: &Symmetric, b: &[f64], control: &Control) -> Result<Vec<f64>, Cancelled> {
@@ -94,7 +102,7 @@ mod tests {
         let rows: Vec<Vec<(u32, f64)>> =
             (0..6).map(|i| (i + 1..6).map(|j| (j as u32, 0.2 * noise(i, j))).collect()).collect();
         let exchange = Symmetric::from_sparse_rows(&rows);
-        let (fitted, left) = with_row_sums(&exchange, &[1.0; 6], &Control::default()).unwrap();
+        let (fitted, left) = with_row_sums(&exchange, None, &[1.0; 6], &Control::default()).unwrap();
         assert!(left < 1e-12, "{left}");
         let mut most = 0.0f64;
         fitted.for_each_pair(|_, _, g| most = most.max((g - 0.2).abs()));
@@ -102,10 +110,29 @@ mod tests {
     }
 
     #[test]
+    fn what_is_known_exactly_stays() {
+        let rows = vec![vec![(1, 0.5), (2, 0.6), (3, 0.1)], vec![(2, 0.1), (3, 0.5)], vec![(3, 0.2)], vec![]];
+        let exchange = Symmetric::from_sparse_rows(&rows);
+        // The pairs 0-1 and 2-3 are certain: the other four make up for what rows lack.
+        let variance = exchange.mapped(|i, j, _| if (i, j) == (0, 1) || (i, j) == (2, 3) { 0.0 } else { 1.0 });
+        let wanted = [1.0, 1.0, 0.7, 0.7];
+        let (fitted, left) = with_row_sums(&exchange, Some(&variance), &wanted, &Control::default()).unwrap();
+        assert!(left < 1e-9, "{left}");
+        assert_eq!((fitted.row(0)[0], fitted.row(2).last()), ((1, 0.5), Some(&(3, 0.2))));
+    }
+
+    #[test]
+    fn what_cannot_be_met_is_told() {
+        let exchange = Symmetric::from_sparse_rows(&[vec![(1, 0.5)], vec![]]);
+        let (_, left) = with_row_sums(&exchange, None, &[1.0, 4.0], &Control::default()).unwrap();
+        assert!(left > 0.1, "{left}");
+    }
+
+    #[test]
     fn nothing_becomes_negative() {
         let rows = vec![vec![(1, 0.9), (2, 0.001)], vec![(2, 0.4)], vec![]];
         let (fitted, _) =
-            with_row_sums(&Symmetric::from_sparse_rows(&rows), &[0.5, 0.8, 0.4], &Control::default()).unwrap();
+            with_row_sums(&Symmetric::from_sparse_rows(&rows), None, &[0.5, 0.8, 0.4], &Control::default()).unwrap();
         fitted.for_each_pair(|_, _, g| assert!(g >= 0.0));
     }
 }

@@ -102,6 +102,26 @@ impl Symmetric {
         other
     }
 
+    /// The same pairs with values that depend on those of another matrix of the same pairs: `change(i, j, a, b)`.
+    ///
+    /// # Panics
+    /// If the other was not made from this one by [`Symmetric::mapped`], or this from the other.
+    pub fn plus(&self, other: &Self, change: impl Fn(usize, usize, f64, f64) -> f64 + Sync) -> Self {
+        let mut result = self.clone();
+        result.blocks.par_iter_mut().zip(&self.blocks).zip(&other.blocks).for_each(|((block, a), b)| {
+            assert_eq!(a.entries.values().len(), b.entries.values().len(), "the same pairs");
+            let mut seconds = b.entries.values().iter();
+            let mut values = Vec::with_capacity(a.entries.values().len());
+            a.for_each(self.order.len(), |p, q, v| {
+                let (i, j) = (self.order[p] as usize, self.order[q] as usize);
+                let w = *seconds.next().expect("as many as firsts");
+                values.push(if v == 0.0 { 0.0 } else { change(i, j, v, w) });
+            });
+            block.entries.set_values(values);
+        });
+        result
+    }
+
     /// The entries of row `i` that are not zero, columns ascending.
     pub fn row(&self, i: usize) -> Vec<(u32, f64)> {
         let Some(position) = self.order.iter().position(|&k| k as usize == i) else { return Vec::new() };

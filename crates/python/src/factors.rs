@@ -158,7 +158,8 @@ impl Factors {
         }
         let sums: Vec<f64> = wanted.iter().enumerate().map(|(i, w)| w * enclosure.area(i)).collect();
         let result = watch::run(py, threads, progress.as_ref(), |control| {
-            smoothing::with_row_sums(&self.inner.operator, &sums, control)
+            let variance = self.inner.standard_error.as_ref().map(|error| error.mapped(|_, _, e| e * e));
+            smoothing::with_row_sums(&self.inner.operator, variance.as_ref(), &sums, control)
         })?;
         let (operator, left) = result.map_err(|c| errors::factors(c.into()))?;
         let inner = FormFactors {

@@ -345,10 +345,14 @@ impl<'a> Task<'a> {
     /// A pair wholly in front of each other.
     fn in_front(&mut self, i: usize, j: usize, candidates: &[u32]) {
         let (a, b) = (&self.scene.facets.list[i], &self.scene.facets.list[j]);
+        let r = b.centre - a.centre;
+        let (h1, h2) = (a.normal.dot(r), -b.normal.dot(r));
+        // Boxes may be in front where this facet lies in the other's plane. Its middle is a quarter as high at least.
+        if h1.min(h2) <= 0.25 * self.scene.blockers.contact {
+            return;
+        }
         if matches!(self.scene.settings.kernel, Kernel::Auto) {
-            let r = b.centre - a.centre;
-            let order =
-                self.scene.orders.choose(r.length_squared(), a.radius + b.radius, a.normal.dot(r), -b.normal.dot(r));
+            let order = self.scene.orders.choose(r.length_squared(), a.radius + b.radius, h1, h2);
             if let Some(order) = order {
                 self.scratch.batch.push((j as u32, order as u8));
                 return;
