@@ -245,7 +245,7 @@ fn refine(heap: &mut BinaryHeap<Cell>, tolerance: f64, f: &mut impl FnMut(DVec3)
             error += child.error;
             heap.push(child);
         }
-        if heap.len() % 256 == 0 {
+        if heap.len().is_multiple_of(256) {
             error = total(heap);
         }
     }
