@@ -14,7 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from radiosity import catalogue, scenes
+    from radiosity import catalogue, scenes, teaching
     from radiosity._native import ResourceError, SceneError, __version__
     from radiosity.factors import FormFactors, form_factors
     from radiosity.patches import Patches
@@ -42,6 +42,7 @@ __all__ = [
     "load",
     "scenes",
     "solve",
+    "teaching",
 ]
 
 # Names are imported when first used: scipy alone takes longer to import than `radiosity --help` may take in all.
@@ -64,7 +65,7 @@ _HOME = {
     "Solution": "solution",
     "solve": "solution",
 }
-_MODULES = {"catalogue", "factors", "files", "patches", "picture", "report", "scene", "scenes", "solution"}
+_MODULES = {"catalogue", "factors", "files", "patches", "picture", "report", "scene", "scenes", "solution", "teaching"}
 
 
 def __getattr__(name: str) -> Any:

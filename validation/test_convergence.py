@@ -1,0 +1,253 @@
+"""Errors of form factors against closed forms: whether tolerances are met, and how errors fall with effort.
+
+The slow ones leave plots in validation/out/.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from known_pairs import KNOWN_PAIRS, PLATE, SEPARATED, TOUCHING, KnownPair, flat, hinged, patches_of, plate
+from plots import Guide, plot_errors, rate
+
+import radiosity
+from radiosity import catalogue, teaching
+
+TOLERANCES = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10]
+
+each_pair = pytest.mark.parametrize("pair", KNOWN_PAIRS.values(), ids=KNOWN_PAIRS)
+
+
+@each_pair
+def test_analytic(pair: KnownPair) -> None:
+    # Closed forms, or contour integrals to 1e-12 a patch.
+    assert pair.found(method="analytic") == pytest.approx(pair.factor, abs=2e-12)
+
+
+@pytest.mark.parametrize("method", ["contour", "auto"])
+@each_pair
+def test_tolerances_are_met(pair: KnownPair, method: str) -> None:
+    for tolerance in TOLERANCES:
+        assert pair.found(method=method, tolerance=tolerance) == pytest.approx(pair.factor, abs=tolerance), tolerance
+
+
+@pytest.mark.parametrize("method", ["contour", "auto"])
+def test_tolerances_are_met_behind_a_plate(method: str) -> None:
+    patches = plate()
+    for tolerance in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7]:
+        found = radiosity.form_factors(patches, method=method, tolerance=tolerance, threads=1).row(0)[1]
+        assert found == pytest.approx(PLATE, abs=tolerance), tolerance
+
+
+def test_long_rectangles_approach_strips() -> None:
+    # What the ends take falls as 1/length, so that twice the factor of twice the length less that of the length is
+    # better by an order.
+    strip = catalogue.equal_parallel_strips(width=1, gap=1)
+    edge = catalogue.strips_with_common_edge(width_1=1, width_2=1, angle=np.pi / 2)
+
+    def facing(length: float) -> float:
+        return KnownPair(flat((0, 1), (0, length), 0), flat((0, 1), (0, length), 1, down=True), 0).found()
+
+    def standing(length: float) -> float:
+        return KnownPair(flat((0, 1), (0, length), 0), hinged(1, length, np.pi / 2), 0).found()
+
+    for factor, expected in ((facing, strip), (standing, edge)):
+        short, long = factor(500), factor(1000)
+        assert expected - 2e-3 < short < long < expected
+        assert 2 * long - short == pytest.approx(expected, abs=2e-6)
+
+
+@pytest.mark.parametrize(("radius_1", "radius_2"), [(1.0, 1.0), (0.5, 1.0)])
+def test_disks_lie_between_polygons_in_and_around_them(radius_1: float, radius_2: float) -> None:
+    # The exchange is an integral of what is not negative: it grows with either area.
+    exact = np.pi * radius_1**2 * catalogue.coaxial_disks(radius_1=radius_1, radius_2=radius_2, gap=1)
+    n = 48
+    inner, outer = (_exchange_of_polygons(n, radius_1 * f, radius_2 * f) for f in (1, 1 / np.cos(np.pi / n)))
+    assert inner < exact < outer
+    assert outer - inner < 0.02 * exact  # areas differ by (pi / n)^2, and there are two of them
+
+
+def _exchange_of_polygons(n: int, radius_1: float, radius_2: float) -> float:
+    """A1 F12, m2, of two regular polygons at gap 1, face to face, each a fan of triangles."""
+    angle = 2 * np.pi * np.arange(n) / n
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    def fan(radius: float, z: float, turn: int) -> list[np.ndarray]:
+        rim = np.column_stack([radius * ring, np.full(n, z)])
+        return [np.array([[0, 0, z], rim[k], rim[(k + 1) % n]])[::turn] for k in range(n)]
+
+    F = radiosity.form_factors(patches_of(*fan(radius_1, 0, 1), *fan(radius_2, 1, -1)), tolerance=1e-8)
+    return float(F.area[:n] @ F.toarray()[:n, n:].sum(axis=1))
+
+
+# --- how errors fall ---------------------------------------------------------------------------------------------
+
+
+def rms(pair: KnownPair, seeds: int, **options: object) -> float:
+    """Root mean square error over seeds."""
+    patches = patches_of(pair.first, pair.second)
+    found = [radiosity.form_factors(patches, seed=s, threads=1, **options).row(0)[1] for s in range(seeds)]
+    return float(np.sqrt(np.mean((np.array(found) - pair.factor) ** 2)))
+
+
+def small_below_a_rectangle() -> KnownPair:
+    """A square of 1 mm and a rectangle half a metre above, beside it; the factor varies by 1e-6 over the square."""
+    source, target = flat((-5e-4, 5e-4), (-5e-4, 5e-4), 0), flat((0.1, 0.9), (-0.2, 0.4), 0.5, down=True)
+    return KnownPair(source, target, KnownPair(source, target, 0).found(method="analytic"))
+
+
+def test_the_small_square_is_as_good_as_a_point() -> None:
+    pair = small_below_a_rectangle()
+    assert teaching.nusselt_form_factor((0, 0, 0), (0, 0, 1), pair.second) == pytest.approx(pair.factor, rel=1e-5)
+
+
+@pytest.mark.slow
+def test_hemicube_from_a_point_by_resolution() -> None:
+    pair = small_below_a_rectangle()
+    resolutions = [32, 64, 128, 256, 512, 1024]
+    error = [rms(pair, 32, resolution=r, hemicubes=1) for r in resolutions]
+    plot_errors(
+        "hemicube_resolution", "A hemicube at a point: counting pixels", "pixels along an edge",
+        {f"RMS of 32 turns, slope {rate(resolutions, error):.2f}": (resolutions, error)},
+        [Guide(-1, "1 / resolution", (32, error[0])), Guide(-1.5, "1 / resolution$^{1.5}$", (32, error[0]))],
+    )  # fmt: skip
+    # A straight edge crosses as many pixels as the resolution, each of 1 / resolution^2 and rounded up or down: fully
+    # correlated roundings give 1 / resolution, independent ones 1 / resolution^1.5.
+    assert -1.7 < rate(resolutions, error) < -0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "pair"), [("separated", SEPARATED), ("touching", TOUCHING)])
+def test_hemicubes_by_number(name: str, pair: KnownPair) -> None:
+    counts = [1, 2, 4, 8, 16, 32, 64, 128, 256]
+    series = {}
+    for resolution in (64, 256, 1024):
+        error = [rms(pair, 8, resolution=resolution, hemicubes=n) for n in counts]
+        series[f"{resolution} pixels an edge, slope {rate(counts[2:], error[2:]):.2f}"] = counts, error
+    error = series.popitem()
+    series[error[0]] = error[1]
+    first = error[1][1][1]
+    plot_errors(
+        f"hemicubes_{name}", f"Hemicubes spread over {name} unit squares", "hemicubes per patch", series,
+        [Guide(-0.5, "independent points", (2, first)), Guide(-1, "1 / hemicubes", (2, first))],
+        "RMS error of F over 8 seeds",
+    )  # fmt: skip
+    # Points in sequence do better than independent ones.
+    assert rate(counts[1:], error[1][1][1:]) < -0.6
+
+
+@pytest.mark.slow
+def test_hemicubes_by_resolution() -> None:
+    resolutions = [32, 64, 128, 256, 512, 1024]
+    series = {}
+    for name, pair in (("separated", SEPARATED), ("touching", TOUCHING)):
+        for count in (1, 64):
+            error = [rms(pair, 8, resolution=r, hemicubes=count) for r in resolutions]
+            series[f"{name}, {count} per patch"] = resolutions, error
+    plot_errors(
+        "hemicubes_resolution", "Hemicubes on unit squares: pixels do not help where positions are few",
+        "pixels along an edge", series, [Guide(-1, "1 / resolution", (32, series["touching, 64 per patch"][1][0]))],
+        "RMS error of F over 8 seeds",
+    )  # fmt: skip
+    # From the centre alone the view's change over the patch is missed, whatever the resolution.
+    for name in ("separated", "touching"):
+        error = series[f"{name}, 1 per patch"][1]
+        assert error[-1] > 0.5 * error[2]
+
+
+POINTS = [1, 2, 4, 8, 16, 32, 64]
+
+
+def nusselt_pairs() -> dict[str, KnownPair]:
+    """How patches may lie for Nusselt's analog: the view from points of a patch is smooth, or jumps at a corner."""
+    half = hinged(1, 0.5, np.pi / 2)
+    partly = KnownPair(flat((0, 1), (0, 1), 0), half, 0)
+    return {
+        "separated": SEPARATED,
+        "common edge": TOUCHING,
+        "half an edge in common": KnownPair(partly.first, half, partly.found(method="analytic")),
+    }
+
+
+def nusselt_errors(pair: KnownPair, points: list[int]) -> list[float]:
+    return [abs(pair.found(points=n) - pair.factor) for n in points]
+
+
+@pytest.mark.slow
+def test_nusselt_by_points() -> None:
+    series = {name: (POINTS, nusselt_errors(pair, POINTS)) for name, pair in nusselt_pairs().items()}
+    plot_errors(
+        "nusselt_points", "Nusselt's analog averaged over Gauss points", "points along each direction", series,
+        [
+            Guide(-4, "1 / points$^4$", (8, series["common edge"][1][3])),
+            Guide(-3, "1 / points$^3$", (8, series["half an edge in common"][1][3])),
+        ],
+    )  # fmt: skip
+
+
+def test_nusselt_converges() -> None:
+    pairs = nusselt_pairs()
+    # eta = (R1 + R2) / d = sqrt(2) bounds nothing, yet the integrand is analytic: each point more gains a factor.
+    few, more = nusselt_errors(pairs["separated"], [4, 8])
+    assert more < few / 100 < 1e-6
+    # A view that depends on the direction to a corner alone, and Gauss points of which the last are 1 / n^2 off either
+    # edge: 1 / n^4. Within an edge they are 1 / n apart: 1 / n^3.
+    points = [4, 8, 16, 32]
+    assert rate(points, nusselt_errors(pairs["common edge"], points)) == pytest.approx(-4, abs=0.4)
+    assert rate(points, nusselt_errors(pairs["half an edge in common"], points)) == pytest.approx(-3, abs=0.6)
+
+
+RAYS = [1 << k for k in range(6, 17, 2)]
+
+
+def plain_monte_carlo(rays: int, seeds: int) -> float:
+    """RMS error of independent rays between unit squares at gap 1, so many from either."""
+    rng = np.random.default_rng(rays)
+    found = []
+    for _ in range(seeds):
+        start, u, angle = rng.random((2 * rays, 2)), rng.random(2 * rays), 2 * np.pi * rng.random(2 * rays)
+        # Cosine-distributed: the sine is sqrt(u) (Malley 1988). At gap 1 a ray moves aside by its tangent.
+        tangent = np.sqrt(u / (1 - u))
+        end = start + tangent[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        found.append(np.mean(np.all((end > 0) & (end < 1), axis=1)))
+    return float(np.sqrt(np.mean((np.array(found) - SEPARATED.factor) ** 2)))
+
+
+@pytest.mark.slow
+def test_rays_in_sequence_beat_independent_ones() -> None:
+    seeds = 64
+    plain = [plain_monte_carlo(n, seeds) for n in RAYS]
+    series = {f"independent rays, slope {rate(RAYS, plain):.2f}": (RAYS, plain)}
+    for name, pair in (("separated", SEPARATED), ("touching", TOUCHING)):
+        error = [rms(pair, seeds, rays=n) for n in RAYS]
+        series[f"{name} squares, slope {rate(RAYS, error):.2f}"] = RAYS, error
+        assert rate(RAYS, error) < -0.6
+    sigma = np.sqrt(SEPARATED.factor * (1 - SEPARATED.factor) / 2)
+    plot_errors(
+        "monte_carlo_rays", "Rays between unit squares", "rays per patch", series,
+        [Guide(-0.5, "binomial: 1 / $\\sqrt{\\mathrm{rays}}$", (1, sigma)),
+         Guide(-0.75, "1 / rays$^{0.75}$", (RAYS[0], list(series.values())[1][1][0]))],
+        f"RMS error of F over {seeds} seeds",
+    )  # fmt: skip
+    # The standard deviation over 64 seeds is itself known to 9 %.
+    np.testing.assert_allclose(plain, sigma / np.sqrt(RAYS), rtol=0.35)
+    assert rate(RAYS, plain) == pytest.approx(-0.5, abs=0.06)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["contour", "auto"])
+def test_plot_of_tolerances(method: str) -> None:
+    series = {
+        name: (TOLERANCES, [abs(pair.found(method=method, tolerance=t) - pair.factor) for t in TOLERANCES])
+        for name, pair in KNOWN_PAIRS.items()
+        if name not in ("touching, h/w 0.5", "touching, h/w 2")
+    }
+    patches, wanted = plate(), TOLERANCES[:6]
+    found = [radiosity.form_factors(patches, method=method, tolerance=t, threads=1).row(0)[1] for t in wanted]
+    series["behind a plate"] = wanted, [abs(f - PLATE) for f in found]
+    plot_errors(
+        f"tolerance_{method}", f"The method '{method}': errors stay below what was asked", "tolerance", series,
+        [Guide(1, "error = tolerance", (1e-3, 1e-3))],
+    )  # fmt: skip
+    for _, (tolerances, error) in series.items():
+        assert np.all(np.array(error) <= tolerances)
