@@ -17,7 +17,7 @@ PALETTE = (
 INK = "#222222"
 """Of text and outlines."""
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.size": 11,
     "axes.titlesize": 13,
     "axes.titlepad": 10,

@@ -136,8 +136,8 @@ def draw_item_buffer(
     buffer = item_buffer(patches, patch, resolution=resolution, seed=seed, back=back)
     with rc_context(STYLE):
         figure = new_figure(15, 6.4)
-        _draw_owners(figure.add_axes((0.02, 0.06, 0.36, 0.82)), buffer, names)
-        _draw_deltas(figure, figure.add_axes((0.59, 0.06, 0.36, 0.82)), buffer)
+        _draw_owners(figure.add_axes((0.01, 0.05, 0.36, 0.82)), buffer, names)
+        _draw_deltas(figure.add_axes((0.56, 0.05, 0.36, 0.82)), figure.add_axes((0.935, 0.2, 0.012, 0.52)), resolution)
         name = patches.scene.surfaces[patches.surface[patch]].name or f"surface {patches.surface[patch]}"
         figure.suptitle(f"The item buffer of a hemicube on patch {patch} ({name}), {resolution} pixels an edge", y=0.97)
     return figure
@@ -195,18 +195,19 @@ def _codes(seen: Integers, resolution: int) -> list[Any]:
     return handles
 
 
-def _draw_deltas(figure: Figure, axes: Any, buffer: ItemBuffer) -> None:
+def _draw_deltas(axes: Any, bar_axes: Any, resolution: int) -> None:
     from matplotlib.colors import LogNorm  # noqa: PLC0415
 
-    top, side = delta_form_factors(buffer.resolution)
+    top, side = delta_form_factors(resolution)
     values = np.ma.masked_invalid(_unfold([top, side, side, side, side], np.nan))
-    # The lowest rows of the sides vanish with the height of a pixel: three decades show the rest.
-    norm = LogNorm(values.max() / 1000, values.max())
-    image = axes.imshow(values, origin="lower", interpolation="nearest", extent=(-2, 2, -2, 2), norm=norm, cmap="cividis")
+    # The lowest rows of the sides vanish with the height of a pixel: two decades show the rest.
+    norm = LogNorm(values.max() / 100, values.max())
+    image = axes.imshow(
+        values, origin="lower", interpolation="nearest", extent=(-2, 2, -2, 2), norm=norm, cmap="cividis"
+    )
     _draw_folds(axes)
     axes.set_title("What each pixel is worth")
-    bar = figure.colorbar(image, ax=axes, fraction=0.045, pad=0.02, shrink=0.8, extend="min")
-    bar.set_label("delta form factor")
+    axes.figure.colorbar(image, cax=bar_axes, extend="min").set_label("delta form factor")
 
 
 def _draw_folds(axes: Any) -> None:
@@ -219,9 +220,7 @@ def _draw_folds(axes: Any) -> None:
         axes.plot(x, y, color=INK, linewidth=1.0, solid_joinstyle="miter")
     axes.set(xlim=(-2.03, 2.03), ylim=(-2.03, 2.03))
     axes.set_axis_off()
-    for text, (x, y) in {"top": (-0.97, 0.97), "horizon": (-1, -2.03)}.items():
-        if text == "horizon":
-            axes.text(0, y - 0.05, text, ha="center", va="top", fontsize=9)
+    axes.text(0, -2.08, "horizon", ha="center", va="top", fontsize=10)
 
 
 def _number(axes: Any, mask: npt.NDArray[np.bool_], resolution: int, number: int) -> None:

@@ -7,6 +7,7 @@ down another cosine, and the base has the area pi.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,9 @@ Floats = npt.NDArray[np.float64]
 
 TARGET, SPHERE, BASE = PALETTE[0], PALETTE[1], PALETTE[5]
 """Colours of the polygon, of its projection onto the hemisphere and of that onto the base."""
+
+EDGE_POINTS = 64
+"""Points of an edge of a projection that is drawn."""
 
 
 def frame(normal: npt.ArrayLike) -> Floats:
@@ -69,79 +73,88 @@ def draw_nusselt(
     """
     from matplotlib import rc_context  # noqa: PLC0415
 
-    outline = nusselt_outline(point, normal, polygon, 64)
+    outline = nusselt_outline(point, normal, polygon, EDGE_POINTS)
     if not len(outline):
         raise ValueError("the polygon is wholly below the horizon of the point: there is nothing to project")
     corners = (np.asarray(polygon, dtype=np.float64) - np.asarray(point, dtype=np.float64)) @ frame(normal).T
     factor = nusselt_form_factor(point, normal, polygon)
     with rc_context(STYLE):
-        figure = new_figure(11, 5.6)
-        _draw_space(figure.add_axes((0.0, 0.0, 0.58, 0.9), projection="3d"), corners, outline, azimuth, elevation)
-        _draw_base(figure.add_axes((0.6, 0.1, 0.37, 0.72)), outline, factor)
-        figure.suptitle(f"Nusselt's analog: the form factor is the covered share of the base, F = {factor:.4f}", y=0.96)
+        figure = new_figure(11.5, 6)
+        _draw_space(figure.add_axes((0.01, 0.11, 0.6, 0.78)), _above_horizon(corners), outline, azimuth, elevation)
+        _draw_base(figure.add_axes((0.63, 0.12, 0.35, 0.68)), outline, factor)
+        figure.suptitle(
+            f"Nusselt's analog: the form factor is the covered share of the base, F = {factor:.4f}", y=0.95, fontsize=14
+        )
     return figure
 
 
 def _draw_space(axes: Any, corners: Floats, outline: Floats, azimuth: float, elevation: float) -> None:
-    """Everything in the frame of the normal; the hemisphere shrinks until it is below the polygon."""
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: PLC0415
+    """Everything in the frame of the normal, in radii of the hemisphere, by parallel projection."""
+    corners = corners / _fitting_radius(corners)
+    right, up, toward = _view(azimuth, elevation)
 
-    size = _fitting_radius(corners)
-    corners = corners / size
-    axes.computed_zorder = False  # what lies before what is known here, and matplotlib guesses by means
+    def line(points: Floats, colour: str = INK, style: str = "-", width: float = 1.0, alpha: float = 1.0) -> None:
+        axes.plot(points @ right, points @ up, style, color=colour, linewidth=width, alpha=alpha)
 
-    def polygon(points: Floats, colour: str, alpha: float, order: int, edge: str | None = None) -> None:
-        face = Poly3DCollection([points], facecolor=colour, alpha=alpha, zorder=order)
-        axes.add_collection3d(face)
-        closed = np.vstack([points, points[:1]])
-        axes.plot(*closed.T, color=edge or colour, linewidth=1.4, zorder=order + 0.5)
+    def fill(points: Floats, colour: str, alpha: float, edge: str, label: str | None = None) -> None:
+        axes.fill(points @ right, points @ up, facecolor=colour, alpha=alpha, label=label, linewidth=0)
+        line(np.vstack([points, points[:1]]), edge, width=1.5)
 
-    angle = np.linspace(0, 2 * np.pi, 181)
-    rim = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
-    polygon(rim, "#F2F2F2", 1.0, 1, INK)
-    down = outline * [1, 1, 0]
-    polygon(down, BASE, 0.75, 2)
-    _draw_globe(axes, azimuth, elevation)
-    seen = _corners_seen(outline)
-    for ray, foot in zip(seen, seen * [1, 1, 0], strict=True):
-        axes.plot(*np.stack([ray, foot]).T, color=BASE, linewidth=0.9, linestyle=":", zorder=4)
-    polygon(outline, SPHERE, 0.6, 5)
-    above = _above_horizon(corners)
-    for corner in above:
-        axes.plot(*np.stack([np.zeros(3), corner]).T, color=TARGET, linewidth=0.8, linestyle="--", zorder=6)
-    polygon(above, TARGET, 0.45, 7)
-    axes.plot([0], [0], [0], "o", color=INK, markersize=5, zorder=8)
-    high = max(1.0, float(above[:, 2].max()))
-    axes.plot([0, 0], [0, 0], [0, 0.45], color=INK, linewidth=1.6, zorder=8)
-    axes.plot([0], [0], [0.47], "^", color=INK, markersize=6, zorder=8)
-    axes.text(0.04, 0, 0.42, "n", fontsize=12, fontstyle="italic", zorder=9)
-    _look(axes, np.vstack([rim, above, [[0, 0, high]]]), azimuth, elevation)
+    around = np.linspace(0, 2 * np.pi, 361)
+    fill(np.stack([np.cos(around), np.sin(around), 0 * around], axis=1), "#F2F2F2", 1.0, INK)
+    fill(outline * [1, 1, 0], BASE, 0.8, BASE, "straight down on the base")
+    for arc, is_behind in _globe(toward):
+        line(arc, width=0.7, alpha=0.2 if is_behind else 0.45)
+    line(_silhouette(right, up, toward), width=1.0, alpha=0.8)
+    seen = outline[::EDGE_POINTS]
+    for on_sphere in seen:
+        line(np.stack([on_sphere, on_sphere * [1, 1, 0]]), BASE, ":", 1.2)
+    fill(outline, SPHERE, 0.65, SPHERE, "seen from the point, on the hemisphere")
+    for corner in corners:
+        line(np.stack([0 * corner, corner]), TARGET, "--", 0.9)
+    fill(corners, TARGET, 0.4, TARGET, "the polygon")
+    axes.plot([0], [0], "o", color=INK, markersize=5)
+    axes.annotate("", (0, 0.42 * up[2]), (0, 0), arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.5})
+    axes.text(-0.03, 0.4 * up[2], "n", fontsize=13, fontstyle="italic", ha="right", va="center")
+    axes.set_aspect("equal", anchor="S")
+    axes.margins(0.02)
+    axes.set_axis_off()
+    handles, labels = axes.get_legend_handles_labels()
+    axes.figure.legend(
+        handles[::-1], labels[::-1], loc="lower left", bbox_to_anchor=(0.02, 0.01), ncols=3, frameon=False
+    )
 
 
-def _draw_globe(axes: Any, azimuth: float, elevation: float) -> None:
-    """Circles of the hemisphere, those behind fainter."""
-    eye = np.deg2rad([azimuth, elevation])
-    toward = np.array([np.cos(eye[0]) * np.cos(eye[1]), np.sin(eye[0]) * np.cos(eye[1]), np.sin(eye[1])])
-    up, around = np.linspace(0, np.pi / 2, 46), np.linspace(0, 2 * np.pi, 181)
-    arcs = [np.stack([np.cos(a) * np.cos(up), np.sin(a) * np.cos(up), np.sin(up)], 1) for a in around[:-1:15]]
+def _view(azimuth: float, elevation: float) -> Floats:
+    """(3, 3) rows: to the right, up and out of the picture, seen from an azimuth and elevation in degrees."""
+    a, e = np.deg2rad([azimuth, elevation])
+    return np.array(
+        [
+            [-np.sin(a), np.cos(a), 0],
+            [-np.cos(a) * np.sin(e), -np.sin(a) * np.sin(e), np.cos(e)],
+            [np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)],
+        ]
+    )
+
+
+def _globe(toward: Floats) -> Iterator[tuple[Floats, bool]]:
+    """Meridians and parallels of the hemisphere, and whether they are behind it."""
+    up, around = np.linspace(0, np.pi / 2, 91), np.linspace(0, 2 * np.pi, 361)
+    arcs = [np.stack([np.cos(a) * np.cos(up), np.sin(a) * np.cos(up), np.sin(up)], 1) for a in around[:-1:30]]
     arcs += [
         np.stack([np.cos(h) * np.cos(around), np.cos(h) * np.sin(around), np.full_like(around, np.sin(h))], 1)
         for h in np.deg2rad([30, 60])
     ]
     for arc in arcs:
-        before = (arc @ toward > 0)[:, None]
-        for side, alpha in ((before, 0.45), (~before, 0.16)):
-            axes.plot(*np.where(side, arc, np.nan).T, color=INK, linewidth=0.6, alpha=alpha, zorder=3)
+        is_before = (arc @ toward > 0)[:, None]
+        yield np.where(is_before, arc, np.nan), False
+        yield np.where(is_before, np.nan, arc), True
 
 
-def _look(axes: Any, points: Floats, azimuth: float, elevation: float) -> None:
-    low, high = points.min(axis=0), points.max(axis=0)
-    middle, half = (low + high) / 2, (high - low).max() / 2
-    axes.set_box_aspect((1, 1, 1), zoom=1.45)
-    for k, limit in enumerate((axes.set_xlim, axes.set_ylim, axes.set_zlim)):
-        limit(middle[k] - half, middle[k] + half)
-    axes.view_init(elev=elevation, azim=azimuth)
-    axes.set_axis_off()
+def _silhouette(right: Floats, up: Floats, toward: Floats) -> Floats:
+    """The rim of the hemisphere as it is seen: half a great circle across the direction of view."""
+    angle = np.linspace(0, np.pi, 181)[:, None]
+    return np.cos(angle) * right + np.sin(angle) * up if toward[2] >= 0 else np.cos(angle) * right - np.sin(angle) * up
 
 
 def _draw_base(axes: Any, outline: Floats, factor: float) -> None:
@@ -152,13 +165,8 @@ def _draw_base(axes: Any, outline: Floats, factor: float) -> None:
     axes.plot([0], [0], "o", color=INK, markersize=5)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    axes.set_title("the base from above", fontsize=12)
+    axes.set_title("The base from above", fontsize=12)
     axes.text(0.5, -0.06, f"covered area {np.pi * factor:.4f} of $\\pi$", transform=axes.transAxes, ha="center")
-
-
-def _corners_seen(outline: Floats) -> Floats:
-    """The corners of an outline of 64 points an edge."""
-    return outline[::64]
 
 
 def _above_horizon(corners: Floats) -> Floats:
@@ -174,11 +182,10 @@ def _above_horizon(corners: Floats) -> Floats:
 
 def _fitting_radius(corners: Floats) -> float:
     """A radius, m, of a hemisphere that keeps below the polygon: three quarters of the way to its nearest point."""
-    above = _above_horizon(corners)
     share = np.linspace(0, 1, 33)
-    a, b = above[:, None], np.roll(above, -1, axis=0)[:, None]
+    a, b = corners[:, None], np.roll(corners, -1, axis=0)[:, None]
     edges = (a + share[:, None] * (b - a)).reshape(-1, 3)
-    middle = above.mean(axis=0)
+    middle = corners.mean(axis=0)
     points = middle + share[:, None, None] * (edges - middle)
     return 0.75 * float(np.linalg.norm(points, axis=-1).min())
 

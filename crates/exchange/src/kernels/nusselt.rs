@@ -6,8 +6,10 @@
 //! sector between the arc and the centre, of area angle / 2, shrinks by the cosine of its plane with the base when it
 //! is projected. The form factor from a patch is the mean over points of it: Gauss's rule, `points^2` of them.
 //!
-//! Error: none at a point. The mean converges like `eta^(2 points)` where the patches are apart and like
-//! `1 / points^2` or so where they touch, since what a point sees jumps at a common edge.
+//! Error: none at a point. The mean converges geometrically where the patches are apart (unit squares at gap 1: by a
+//! factor of 20 a point). Where they share an edge, what a point sees depends near the ends of the edge on the direction
+//! to them alone, and the mean converges like `1 / points^4`. Where an edge of one ends within an edge of the other it
+//! does so like `1 / points^2`, erratically, because rows of points near the edge see a step where it ends.
 //!
 //! When to choose it: to see and to teach what a form factor is, and for a first estimate.
 
