@@ -30,14 +30,14 @@ exact = catalogue.point_to_parallel_rectangle(width=1.0, length=1.0, distance=1.
 assert math.isclose(covered(square), exact, rel_tol=1e-8)
 assert math.isclose(teaching.nusselt_form_factor(POINT, UP, square), exact, rel_tol=1e-13)
 print(f"a unit square above: covered share {covered(square):.10f}, closed form {exact:.10f}")
-teaching.draw_nusselt(POINT, UP, square, azimuth=-50).savefig(OUT / "nusselt_square.png")
+teaching.draw_nusselt(POINT, UP, square).savefig(OUT / "nusselt_square.png")
 
 # A wall that goes on below the horizon: what is below does not count, and what is left is Howell's B-8.
 wall = [(1.0, 0.0, -0.5), (1.0, 1.0, -0.5), (1.0, 1.0, 1.0), (1.0, 0.0, 1.0)]
 exact = catalogue.point_to_perpendicular_rectangle(height=1.0, length=1.0, distance=1.0)
 assert math.isclose(covered(wall), exact, rel_tol=1e-8)
 print(f"a wall beside:       covered share {covered(wall):.10f}, closed form {exact:.10f}")
-teaching.draw_nusselt(POINT, UP, wall, azimuth=-70).savefig(OUT / "nusselt_wall.png")
+teaching.draw_nusselt(POINT, UP, wall).savefig(OUT / "nusselt_wall.png")
 
 # Whatever covers the same of the hemisphere has the same form factor: the square twice as far and twice as wide.
 far = [tuple(2 * c for c in corner) for corner in square]

@@ -90,30 +90,53 @@ def rms(pair: KnownPair, seeds: int, **options: object) -> float:
     return float(np.sqrt(np.mean((np.array(found) - pair.factor) ** 2)))
 
 
-def small_below_a_rectangle() -> KnownPair:
-    """A square of 1 mm and a rectangle half a metre above, beside it; the factor varies by 1e-6 over the square."""
-    source, target = flat((-5e-4, 5e-4), (-5e-4, 5e-4), 0), flat((0.1, 0.9), (-0.2, 0.4), 0.5, down=True)
-    return KnownPair(source, target, KnownPair(source, target, 0).found(method="analytic"))
+SOURCE = flat((-5e-4, 5e-4), (-5e-4, 5e-4), 0)
+"""A square of 1 mm: what is half a metre away is seen from it as from a point, to 1e-6."""
+
+
+def rectangles_above(count: int, *, along_pixels: bool) -> list[KnownPair]:
+    """The small source and random rectangles above it; with their edges along the pixels of the hemicube, or not."""
+    rng, pairs = np.random.default_rng(3), []
+    for seed in range(count):
+        x, y = np.sort(rng.uniform(-0.8, 0.8, (2, 2)), axis=1)
+        target = flat(tuple(x), tuple(y), 0.5, down=True)
+        if along_pixels:
+            axes = teaching.item_buffer(patches_of(SOURCE), 0, resolution=8, seed=seed).axes
+            target = target @ axes
+        pairs.append(KnownPair(SOURCE, target, teaching.nusselt_form_factor((0, 0, 0), (0, 0, 1), target)))
+    return pairs
 
 
 def test_the_small_square_is_as_good_as_a_point() -> None:
-    pair = small_below_a_rectangle()
-    assert teaching.nusselt_form_factor((0, 0, 0), (0, 0, 1), pair.second) == pytest.approx(pair.factor, rel=1e-5)
+    for pair in rectangles_above(8, along_pixels=False):
+        assert pair.found(method="analytic") == pytest.approx(pair.factor, abs=2e-6)
+
+
+def hemicube_error(pairs: list[KnownPair], resolution: int) -> float:
+    """RMS error of one hemicube a patch, each pair with a turn of its own."""
+    found = [pair.found(resolution=resolution, hemicubes=1, seed=seed) for seed, pair in enumerate(pairs)]
+    return float(np.sqrt(np.mean([(f - pair.factor) ** 2 for f, pair in zip(found, pairs, strict=True)])))
 
 
 @pytest.mark.slow
 def test_hemicube_from_a_point_by_resolution() -> None:
-    pair = small_below_a_rectangle()
-    resolutions = [32, 64, 128, 256, 512, 1024]
-    error = [rms(pair, 32, resolution=r, hemicubes=1) for r in resolutions]
+    resolutions, slopes, series = [32, 64, 128, 256, 512, 1024], {}, {}
+    for label, along_pixels in (("edges along the pixels", True), ("edges at any angle to them", False)):
+        pairs = rectangles_above(64, along_pixels=along_pixels)
+        error = [hemicube_error(pairs, r) for r in resolutions]
+        slopes[along_pixels] = rate(resolutions, error)
+        series[f"{label}, slope {slopes[along_pixels]:.2f}"] = resolutions, error
+    aligned, turned = (error for _, error in series.values())
     plot_errors(
-        "hemicube_resolution", "A hemicube at a point: counting pixels", "pixels along an edge",
-        {f"RMS of 32 turns, slope {rate(resolutions, error):.2f}": (resolutions, error)},
-        [Guide(-1, "1 / resolution", (32, error[0])), Guide(-1.5, "1 / resolution$^{1.5}$", (32, error[0]))],
+        "hemicube_resolution", "A hemicube at a point: counting pixels", "pixels along an edge", series,
+        [Guide(-1, "1 / resolution", (32, aligned[0])), Guide(-1.5, "1 / resolution$^{1.5}$", (32, turned[0]))],
+        "RMS error of F over 64 rectangles",
     )  # fmt: skip
-    # A straight edge crosses as many pixels as the resolution, each of 1 / resolution^2 and rounded up or down: fully
-    # correlated roundings give 1 / resolution, independent ones 1 / resolution^1.5.
-    assert -1.7 < rate(resolutions, error) < -0.9
+    # An edge along a row of pixels takes or leaves the whole row: 1 / resolution. One at an angle rounds pixel by
+    # pixel, up as often as down: nearly 1 / resolution^2, but where the angle is below 1 / resolution, which over all
+    # angles makes 1 / resolution^1.5, root mean square.
+    assert slopes[True] == pytest.approx(-1, abs=0.2)
+    assert -2.1 < slopes[False] < -1.3
 
 
 @pytest.mark.slow
@@ -123,17 +146,15 @@ def test_hemicubes_by_number(name: str, pair: KnownPair) -> None:
     series = {}
     for resolution in (64, 256, 1024):
         error = [rms(pair, 8, resolution=resolution, hemicubes=n) for n in counts]
-        series[f"{resolution} pixels an edge, slope {rate(counts[2:], error[2:]):.2f}"] = counts, error
-    error = series.popitem()
-    series[error[0]] = error[1]
-    first = error[1][1][1]
+        series[f"{resolution} pixels an edge, slope {rate(counts[1:], error[1:]):.2f}"] = counts, error
+    first = error[1]
     plot_errors(
         f"hemicubes_{name}", f"Hemicubes spread over {name} unit squares", "hemicubes per patch", series,
         [Guide(-0.5, "independent points", (2, first)), Guide(-1, "1 / hemicubes", (2, first))],
         "RMS error of F over 8 seeds",
     )  # fmt: skip
     # Points in sequence do better than independent ones.
-    assert rate(counts[1:], error[1][1][1:]) < -0.6
+    assert rate(counts[1:], error[1:]) < -0.75
 
 
 @pytest.mark.slow
@@ -146,7 +167,7 @@ def test_hemicubes_by_resolution() -> None:
             series[f"{name}, {count} per patch"] = resolutions, error
     plot_errors(
         "hemicubes_resolution", "Hemicubes on unit squares: pixels do not help where positions are few",
-        "pixels along an edge", series, [Guide(-1, "1 / resolution", (32, series["touching, 64 per patch"][1][0]))],
+        "pixels along an edge", series, [Guide(-1, "1 / resolution", (32, series["separated, 64 per patch"][1][0]))],
         "RMS error of F over 8 seeds",
     )  # fmt: skip
     # From the centre alone the view's change over the patch is missed, whatever the resolution.
@@ -203,7 +224,7 @@ def test_nusselt_converges() -> None:
     assert slope == pytest.approx(-2, abs=0.5)
 
 
-RAYS = [1 << k for k in range(6, 17, 2)]
+RAYS = [1 << k for k in range(6, 17)]
 
 
 def plain_monte_carlo(rays: int, seeds: int) -> float:
@@ -227,12 +248,12 @@ def test_rays_in_sequence_beat_independent_ones() -> None:
     for name, pair in (("separated", SEPARATED), ("touching", TOUCHING)):
         error = [rms(pair, seeds, rays=n) for n in RAYS]
         series[f"{name} squares, slope {rate(RAYS, error):.2f}"] = RAYS, error
-        assert rate(RAYS, error) < -0.6
+        assert rate(RAYS, error) < -0.6  # a discontinuity in four dimensions, stratified: -1/2 - 1/8
     sigma = np.sqrt(SEPARATED.factor * (1 - SEPARATED.factor) / 2)
     plot_errors(
         "monte_carlo_rays", "Rays between unit squares", "rays per patch", series,
         [Guide(-0.5, "binomial: 1 / $\\sqrt{\\mathrm{rays}}$", (1, sigma)),
-         Guide(-0.75, "1 / rays$^{0.75}$", (RAYS[0], list(series.values())[1][1][0]))],
+         Guide(-0.625, "1 / rays$^{5/8}$", (1, list(series.values())[1][1][3] * RAYS[3] ** 0.625))],
         f"RMS error of F over {seeds} seeds",
     )  # fmt: skip
     # The standard deviation over 64 seeds is itself known to 9 %.
@@ -253,7 +274,7 @@ def test_plot_of_tolerances(method: str) -> None:
     series["behind a plate"] = wanted, [abs(f - PLATE) for f in found]
     plot_errors(
         f"tolerance_{method}", f"The method '{method}': errors stay below what was asked", "tolerance", series,
-        [Guide(1, "error = tolerance", (1e-3, 1e-3))],
+        [Guide(1, "error = tolerance", (1e-3, 1e-3))], whole_guides=True,
     )  # fmt: skip
     for _, (tolerances, error) in series.items():
         assert np.all(np.array(error) <= tolerances)

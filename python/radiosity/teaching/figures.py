@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -30,14 +31,21 @@ STYLE: dict[Any, Any] = {
 """Of all pictures: the parameters that matplotlib calls rc."""
 
 
-def new_figure(width: float, height: float, **options: Any) -> Figure:
-    """An empty figure, inches, that no window shows and nothing else knows of.
+def style() -> AbstractContextManager[None]:
+    """A context in which figures look alike.
 
     Raises:
         ImportError: matplotlib is not installed.
     """
     try:
-        from matplotlib.figure import Figure  # noqa: PLC0415
+        from matplotlib import rc_context  # noqa: PLC0415
     except ImportError as error:
         raise ImportError("pictures need matplotlib: pip install 'radiosity[plots]'") from error
-    return Figure(figsize=(width, height), facecolor="white", **options)
+    return rc_context(STYLE)
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure, inches, that no window shows and nothing else knows of."""
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    return Figure(figsize=(width, height), facecolor="white")

@@ -11,7 +11,7 @@ from scipy.ndimage import distance_transform_edt
 
 from radiosity import _native
 from radiosity.checks import whole
-from radiosity.teaching.figures import INK, PALETTE, STYLE, new_figure
+from radiosity.teaching.figures import INK, PALETTE, new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,6 +26,9 @@ NOTHING, BACK = -1, -2
 
 OTHERS = "#C8C8C8"
 """Colour of surfaces that are not named."""
+
+LEAST = 5e-5
+"""The least form factor with a digit in the legend."""
 
 
 @dataclass(frozen=True)
@@ -66,12 +69,22 @@ class ItemBuffer:
 
     def row(self) -> Floats:
         """(n_sides,) the row of form factors: the delta form factors of the pixels of each side, summed."""
+        return self._worth()[2:]
+
+    def to_nothing(self) -> float:
+        """The share of what leaves the point that meets nothing."""
+        return float(self._worth()[2 + NOTHING])
+
+    def to_backs(self) -> float:
+        """The share that meets backs and obstructions."""
+        return float(self._worth()[2 + BACK])
+
+    def _worth(self) -> Floats:
+        """(2 + n_sides,) delta form factors summed by owner, of whom BACK is the first and NOTHING the second."""
         top, side = delta_form_factors(self.resolution)
-        sums = np.zeros(len(self.patch))
-        for owner, delta in zip(self.owners, [top, side, side, side, side], strict=True):
-            seen = owner >= 0
-            sums += np.bincount(owner[seen], delta[seen], len(sums))
-        return sums
+        owner = np.concatenate([face.ravel() for face in self.owners])
+        delta = np.concatenate([top.ravel(), *4 * [side.ravel()]])
+        return np.bincount(owner + 2, delta, 2 + len(self.patch)).astype(np.float64)
 
 
 def item_buffer(
@@ -130,11 +143,9 @@ def draw_item_buffer(
         ValueError: as of :func:`item_buffer`.
         ImportError: matplotlib is not installed.
     """
-    from matplotlib import rc_context  # noqa: PLC0415
-
     names = whole(names, "names", 1, len(PALETTE))
     buffer = item_buffer(patches, patch, resolution=resolution, seed=seed, back=back)
-    with rc_context(STYLE):
+    with style():
         figure = new_figure(15, 6.4)
         _draw_owners(figure.add_axes((0.01, 0.05, 0.36, 0.82)), buffer, names)
         _draw_deltas(figure.add_axes((0.56, 0.05, 0.36, 0.82)), figure.add_axes((0.935, 0.2, 0.012, 0.52)), resolution)
@@ -174,24 +185,24 @@ def _draw_owners(axes: Any, buffer: ItemBuffer, names: int) -> None:
         handles.append(Patch(facecolor=PALETTE[number - 1], edgecolor=INK, linewidth=0.5,
                              label=f"{number}  {_short(name)}  {share[surface]:.4f}"))  # fmt: skip
     rest = share.sum() - share[named].sum()
-    if rest > 0:
+    if rest >= LEAST:
         handles.append(Patch(facecolor=OTHERS, edgecolor=INK, linewidth=0.5,
                              label=f"{np.count_nonzero(share) - len(named)} others  {rest:.4f}"))  # fmt: skip
-    handles += _codes(seen, buffer.resolution)
+    handles += _codes(buffer)
     axes.legend(handles=handles, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=10.5,
                 title=f"form factors, sum {share.sum():.4f}", alignment="left")  # fmt: skip
 
 
-def _codes(seen: Integers, resolution: int) -> list[Any]:
-    """Entries of the legend for what is no surface."""
+def _codes(buffer: ItemBuffer) -> list[Any]:
+    """Entries of the legend for what is no surface, where it has a digit to show."""
     from matplotlib.patches import Patch  # noqa: PLC0415
 
-    inside = ~_corners(resolution)
+    backs, nothing = buffer.to_backs(), buffer.to_nothing()
     handles = []
-    if np.any(seen == BACK):
-        handles.append(Patch(facecolor="#9E9E9E", edgecolor="#6B6B6B", hatch="////", label="a back"))
-    if np.any((seen == NOTHING) & inside):
-        handles.append(Patch(facecolor="black", label="nothing"))
+    if backs >= LEAST:
+        handles.append(Patch(facecolor="#9E9E9E", edgecolor="#6B6B6B", hatch="////", label=f"backs  {backs:.4f}"))
+    if nothing >= LEAST:
+        handles.append(Patch(facecolor="black", label=f"nothing  {nothing:.4f}"))
     return handles
 
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from radiosity import _native
 from radiosity.checks import whole
-from radiosity.teaching.figures import INK, PALETTE, STYLE, new_figure
+from radiosity.teaching.figures import INK, PALETTE, new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,26 +59,32 @@ def nusselt_form_factor(point: npt.ArrayLike, normal: npt.ArrayLike, polygon: np
 
 
 def draw_nusselt(
-    point: npt.ArrayLike, normal: npt.ArrayLike, polygon: npt.ArrayLike, *, azimuth: float = -60, elevation: float = 18
+    point: npt.ArrayLike,
+    normal: npt.ArrayLike,
+    polygon: npt.ArrayLike,
+    *,
+    azimuth: float | None = None,
+    elevation: float = 22,
 ) -> Figure:
     """The point, its hemisphere, the polygon and both projections; and the base from above with what is covered.
 
     Args:
         point, normal, polygon: as of :func:`nusselt_outline`.
-        azimuth, elevation: where the view is from, degrees about the normal and above the base.
+        azimuth, elevation: where the view is from, degrees about the normal and above the base. By default one that
+            shows much of the projection on the hemisphere, and does not fold it.
 
     Raises:
         ValueError: as of :func:`nusselt_outline`, or nothing is above the horizon.
         ImportError: matplotlib is not installed.
     """
-    from matplotlib import rc_context  # noqa: PLC0415
-
     outline = nusselt_outline(point, normal, polygon, EDGE_POINTS)
     if not len(outline):
         raise ValueError("the polygon is wholly below the horizon of the point: there is nothing to project")
     corners = (np.asarray(polygon, dtype=np.float64) - np.asarray(point, dtype=np.float64)) @ frame(normal).T
+    if azimuth is None:
+        azimuth = _good_azimuth(outline, elevation)
     factor = nusselt_form_factor(point, normal, polygon)
-    with rc_context(STYLE):
+    with style():
         figure = new_figure(11.5, 6)
         _draw_space(figure.add_axes((0.01, 0.11, 0.6, 0.78)), _above_horizon(corners), outline, azimuth, elevation)
         _draw_base(figure.add_axes((0.63, 0.12, 0.35, 0.68)), outline, factor)
@@ -106,8 +112,7 @@ def _draw_space(axes: Any, corners: Floats, outline: Floats, azimuth: float, ele
     for arc, is_behind in _globe(toward):
         line(arc, width=0.7, alpha=0.2 if is_behind else 0.45)
     line(_silhouette(right, up, toward), width=1.0, alpha=0.8)
-    seen = outline[::EDGE_POINTS]
-    for on_sphere in seen:
+    for on_sphere in outline[::EDGE_POINTS]:
         line(np.stack([on_sphere, on_sphere * [1, 1, 0]]), BASE, ":", 1.2)
     fill(outline, SPHERE, 0.65, SPHERE, "seen from the point, on the hemisphere")
     for corner in corners:
@@ -115,7 +120,7 @@ def _draw_space(axes: Any, corners: Floats, outline: Floats, azimuth: float, ele
     fill(corners, TARGET, 0.4, TARGET, "the polygon")
     axes.plot([0], [0], "o", color=INK, markersize=5)
     axes.annotate("", (0, 0.42 * up[2]), (0, 0), arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.5})
-    axes.text(-0.03, 0.4 * up[2], "n", fontsize=13, fontstyle="italic", ha="right", va="center")
+    axes.text(-0.05, 0.4 * up[2], "n", fontsize=13, fontstyle="italic", ha="right", va="center")
     axes.set_aspect("equal", anchor="S")
     axes.margins(0.02)
     axes.set_axis_off()
@@ -135,6 +140,19 @@ def _view(azimuth: float, elevation: float) -> Floats:
             [np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)],
         ]
     )
+
+
+def _good_azimuth(outline: Floats, elevation: float) -> float:
+    """Degrees: the view, from behind what is seen to beside it, in which its projection has the greatest area."""
+    x, y, _ = outline.mean(axis=0)
+
+    def area(azimuth: float) -> float:
+        right, up, _ = _view(azimuth, elevation)
+        u, v = outline @ right, outline @ up
+        return float(abs(np.sum(u * np.roll(v, -1) - np.roll(u, -1) * v)))
+
+    middle = float(np.rad2deg(np.arctan2(y, x)))
+    return max((middle - turn for turn in (140, 95, 70)), key=area)
 
 
 def _globe(toward: Floats) -> Iterator[tuple[Floats, bool]]:
