@@ -120,7 +120,8 @@ def _draw_space(axes: Any, corners: Floats, outline: Floats, azimuth: float, ele
     fill(corners, TARGET, 0.4, TARGET, "the polygon")
     axes.plot([0], [0], "o", color=INK, markersize=5)
     axes.annotate("", (0, 0.42 * up[2]), (0, 0), arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.5})
-    axes.text(-0.05, 0.4 * up[2], "n", fontsize=13, fontstyle="italic", ha="right", va="center")
+    axes.text(-0.05, 0.4 * up[2], "n", fontsize=13, fontstyle="italic", ha="right", va="center",
+              bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6})  # fmt: skip
     axes.set_aspect("equal", anchor="S")
     axes.margins(0.02)
     axes.set_axis_off()
