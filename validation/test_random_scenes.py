@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from known_pairs import patches_of
-from random_rooms import cut_in_front, moved, patches_of_surfaces, random_room, random_rotation
+from random_rooms import box, cut_in_front, moved, patches_of_surfaces, random_room, random_rotation, walls
 
 import radiosity
 
@@ -17,17 +17,16 @@ def factors(surfaces: list[radiosity.Surface], tolerance: float, **options: obje
     return radiosity.form_factors(patches_of_surfaces(surfaces), tolerance=tolerance, **options).toarray()
 
 
-def closure_error(seed: int, tolerance: float) -> tuple[float, int]:
+def closure_error(surfaces: list[radiosity.Surface], tolerance: float) -> tuple[float, int]:
     """The greatest deviation of a row sum from 1, and whose."""
-    patches = patches_of_surfaces(random_room(seed))
-    off = np.abs(radiosity.form_factors(patches, tolerance=tolerance).closure() - 1)
+    off = np.abs(radiosity.form_factors(patches_of_surfaces(surfaces), tolerance=tolerance).closure() - 1)
     return float(off.max()), int(np.argmax(off))
 
 
 @tolerances
 def test_rows_sum_to_one_in_a_closed_room(tolerance: float) -> None:
     for seed in range(12):
-        off, patch = closure_error(seed, tolerance)
+        off, patch = closure_error(random_room(seed), tolerance)
         assert off <= tolerance, f"seed {seed}, patch {patch}"
 
 
@@ -35,8 +34,46 @@ def test_rows_sum_to_one_in_a_closed_room(tolerance: float) -> None:
 @tolerances
 def test_rows_sum_to_one_in_many_closed_rooms(tolerance: float) -> None:
     for seed in range(12, 150):
-        off, patch = closure_error(seed, tolerance)
+        off, patch = closure_error(random_room(seed), tolerance)
         assert off <= tolerance, f"seed {seed}, patch {patch}"
+
+
+@pytest.mark.xfail(strict=True, reason="what little a solid hides of a pair can be overlooked, see the comments")
+@pytest.mark.parametrize(
+    ("seed", "tolerance"),
+    [
+        # Patches 26 and 34, on opposite walls: both rows are 4.4e-5 above 1, at every tolerance from 1e-3 to 1e-7. In
+        # the room turned at random the same pair is 4.4e-5 less: a hidden part that the integration does not find.
+        (5, 1e-5),
+        (5, 1e-6),
+        # Patch 14 or 26: 6.5e-6 and 3.5e-6 above 1.
+        (3, 1e-6),
+        (0, 1e-6),
+        # Patch 19, of 0.0064 m2 on a solid: 1.10e-3 below 1.
+        (827, 1e-3),
+    ],
+)
+def test_rows_sum_to_one_where_little_is_hidden(seed: int, tolerance: float) -> None:
+    off, patch = closure_error(random_room(seed), tolerance)
+    assert off <= tolerance, f"patch {patch} is off by {off / tolerance} tolerances"
+
+
+@pytest.mark.xfail(strict=True, reason="hidden parts beside narrow gaps are less well known than is estimated")
+@pytest.mark.parametrize(
+    ("half", "gap", "tolerance"),
+    [
+        # Off by 9.3 tolerances (patch 21), 3.1 (23), 10.2 (21) and 1.9 (0); no pair is reported as unresolved.
+        ((0.17, 0.165, 0.175), 3.5e-4, 1e-3),
+        ((0.27, 0.19, 0.30), 1.3e-3, 1e-4),
+        ((0.20, 0.15, 0.25), 1e-3, 1e-5),
+        ((0.25, 0.055, 0.255), 1e-6, 1e-4),
+    ],
+)
+def test_rows_sum_to_one_beside_narrow_gaps(half: tuple[float, float, float], gap: float, tolerance: float) -> None:
+    # An upright box in the corner of the room, a narrow gap off three walls of nine patches each.
+    centre = np.array(half) + gap
+    off, patch = closure_error([*walls(3), box(centre, np.array(half), np.eye(3), "box")], tolerance)
+    assert off <= tolerance, f"patch {patch} is off by {off / tolerance} tolerances"
 
 
 @few_seeds
