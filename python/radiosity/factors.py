@@ -177,9 +177,7 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         ``report.disagreement`` tells how far apart both ends were before they were combined.
         """
         matrix = self.to_scipy_sparse()
-        exchange = csr_array(
-            (matrix.data * np.repeat(self.area, np.diff(matrix.indptr)), matrix.indices, matrix.indptr)
-        )
+        exchange = csr_array((matrix.data * np.repeat(self.area, np.diff(matrix.indptr)), matrix.indices, matrix.indptr))
         difference = abs(exchange - exchange.T).tocoo()
         if difference.nnz == 0:
             return 0.0

@@ -125,12 +125,12 @@ impl ItemBuffer {
     }
 }
 
+/// A value a pixel.
+type Image<'py> = Bound<'py, PyArray2<f64>>;
+
 /// The form factors of the pixels of the top, (resolution, resolution), and of a side, half as many rows.
 #[pyfunction]
-pub fn delta_form_factors(
-    py: Python<'_>,
-    resolution: usize,
-) -> PyResult<(Bound<'_, PyArray2<f64>>, Bound<'_, PyArray2<f64>>)> {
+pub fn delta_form_factors(py: Python<'_>, resolution: usize) -> PyResult<(Image<'_>, Image<'_>)> {
     let (top, side) = watch::run(py, Some(1), None, |_| hemicube::delta_form_factors(resolution))?;
     Ok((image_out(py, top, resolution), image_out(py, side, resolution)))
 }
