@@ -11,7 +11,7 @@ import radiosity
 def test_every_public_name_is_there() -> None:
     assert all(getattr(radiosity, name) is not None for name in radiosity.__all__)
     assert set(radiosity.__all__) <= set(dir(radiosity))
-    assert set(radiosity._HOME) | {"catalogue", "diagnosis", "scenes"} == set(radiosity.__all__)
+    assert set(radiosity._HOME) | {"catalogue", "diagnosis", "scenes", "teaching"} == set(radiosity.__all__)
 
 
 def test_other_names_are_not() -> None:

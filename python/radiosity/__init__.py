@@ -14,7 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from radiosity import catalogue, diagnosis, scenes
+    from radiosity import catalogue, diagnosis, scenes, teaching
     from radiosity._native import ResourceError, SceneError, __version__
     from radiosity.factors import FormFactors, form_factors
     from radiosity.patches import Patches
@@ -45,6 +45,7 @@ __all__ = [
     "load",
     "scenes",
     "solve",
+    "teaching",
 ]
 
 # Names are imported when first used: scipy alone takes longer to import than `radiosity --help` may take in all.
@@ -80,6 +81,7 @@ _MODULES = {
     "scenes",
     "solution",
     "surface_factors",
+    "teaching",
 }
 
 

@@ -10,6 +10,7 @@ mod patches;
 mod picture;
 mod scene;
 mod solution;
+mod teaching;
 mod watch;
 
 use pyo3::prelude::*;
@@ -21,6 +22,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<patches::Enclosure>()?;
     module.add_class::<solution::Solution>()?;
     module.add_class::<factors::Factors>()?;
+    module.add_class::<teaching::ItemBuffer>()?;
     module.add("SceneError", module.py().get_type::<errors::SceneError>())?;
     module.add("ResourceError", module.py().get_type::<errors::ResourceError>())?;
     module.add_function(wrap_pyfunction!(scene::load, module)?)?;
@@ -28,6 +30,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solution::solve, module)?)?;
     module.add_function(wrap_pyfunction!(factors::form_factors, module)?)?;
     module.add_function(wrap_pyfunction!(factors::given_factors, module)?)?;
+    module.add_function(wrap_pyfunction!(teaching::frame, module)?)?;
+    module.add_function(wrap_pyfunction!(teaching::nusselt_outline, module)?)?;
+    module.add_function(wrap_pyfunction!(teaching::nusselt_share, module)?)?;
+    module.add_function(wrap_pyfunction!(teaching::item_buffer, module)?)?;
+    module.add_function(wrap_pyfunction!(teaching::delta_form_factors, module)?)?;
     picture::register(module)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     Ok(())

@@ -10,8 +10,13 @@ use glam::DVec3;
 /// The fraction of what leaves a differential area at `x` with unit `normal` that reaches a convex polygon of three
 /// or four corners, whichever side of the polygon faces `x`. Parts below the horizon of `x` do not count.
 pub fn point_to_polygon(x: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
+    debug_assert!(polygon.len() <= 4, "a convex polygon of {} corners does not fit the buffer", polygon.len());
     let mut above = [DVec3::ZERO; 5];
-    let count = clip_at_horizon(x, normal, polygon, &mut above);
+    let mut count = 0;
+    above_horizon(x, normal, polygon, |corner| {
+        above[count] = corner;
+        count += 1;
+    });
     solid_cosine(normal, &above[..count])
 }
 
@@ -29,28 +34,23 @@ pub fn solid_cosine(normal: DVec3, corners: &[DVec3]) -> f64 {
     sum.abs() * (0.5 * std::f64::consts::FRAC_1_PI)
 }
 
-/// Writes the corners of the polygon above the horizon, relative to `x`, and returns their number.
-fn clip_at_horizon(x: DVec3, normal: DVec3, polygon: &[DVec3], above: &mut [DVec3; 5]) -> usize {
-    let mut count = 0;
-    let n = polygon.len();
-    debug_assert!(n <= 4, "a convex polygon of {n} corners does not fit the clip buffer");
-    let mut previous = polygon[n - 1] - x;
+/// Hands the corners of the part of a convex polygon above the horizon of `x` to `keep`, relative to `x` and in order.
+pub fn above_horizon(x: DVec3, normal: DVec3, polygon: &[DVec3], mut keep: impl FnMut(DVec3)) {
+    let Some(&last) = polygon.last() else { return };
+    let mut previous = last - x;
     let mut previous_height = normal.dot(previous);
     for &corner in polygon {
         let current = corner - x;
         let height = normal.dot(current);
         if (height > 0.0) != (previous_height > 0.0) {
             let t = previous_height / (previous_height - height);
-            above[count] = previous + t * (current - previous);
-            count += 1;
+            keep(previous + t * (current - previous));
         }
         if height > 0.0 {
-            above[count] = current;
-            count += 1;
+            keep(current);
         }
         (previous, previous_height) = (current, height);
     }
-    count
 }
 
 #[cfg(test)]

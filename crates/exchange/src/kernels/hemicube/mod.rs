@@ -11,8 +11,9 @@
 //!   what touches it, that error is far larger than that of the pixels (Baum, Rushmeier and Winget 1989).
 //! - Nothing is clipped, see `raster.rs`.
 //!
-//! A pixel belongs to what covers its centre, so the error of one form factor is that of counting pixels: it falls
-//! about as 1/resolution or a little faster, and what is smaller than a pixel is hit or missed as a whole.
+//! A pixel belongs to what covers its centre, so the error of one form factor is that of counting pixels: it falls as
+//! 1/resolution where edges run along rows of pixels, as 1/resolution^1.5 or faster over random turns, and what is
+//! smaller than a pixel is hit or missed as a whole.
 //!
 //! Deliberately absent: subpixel coverage; a hierarchical z-buffer, because rooms are few layers deep and what costs is
 //! to set up small polygons; solids that stand on a side: a position inside one sees the solid's inside.
