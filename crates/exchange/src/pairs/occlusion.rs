@@ -95,8 +95,7 @@ impl Task<'_> {
             return self.by_parts(ends, blockers, depth);
         }
         let list = &self.scene.blockers;
-        let Ends { first, second, whole, allowed, .. } = *ends;
-        self.scratch.hidden.exchange(first, second, &list.list, blockers, whole, allowed, list.contact)
+        self.scratch.hidden.exchange(ends.first, ends.second, &list.list, blockers, ends.allowed, list.contact)
     }
 
     /// Cuts the larger polygon and adds up what is hidden of the parts.

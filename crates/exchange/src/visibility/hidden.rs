@@ -2,10 +2,16 @@
 //!
 //! The visible part of one polygon from a point of the other is exact ([`Fragments`]); what is left is an integral over
 //! the other. Its integrand is continuous, with kinks where a corner passes behind an edge, and jumps only where a
-//! blocker stands on the polygon: there it is cut first. What is hidden by something small and near changes within that distance, which a few points
-//! would miss: so cells are halved until none is larger than a blocker beside it is narrow or far, unless all they
-//! could add is nothing that matters. The rest is adaptive: triangles with the seven points of Radon (1948), halved where
-//! the estimate of the error is largest until its sum is small enough.
+//! blocker stands on the polygon: there it is cut first. The rest is adaptive: triangles with the seven points of
+//! Radon (1948), halved where the estimate of the error is largest until its sum is small enough.
+//!
+//! Points can overlook what is small, and two measures are taken against it:
+//!
+//! - What is hidden by something small and near changes within that distance. So cells are halved until none is larger
+//!   than a blocker beside it is narrow or far, unless all they could add is nothing that matters.
+//! - Where all points of a cell see all of the other polygon, or nothing of it, the cell is looked at from the corners of
+//!   the other: from there the whole of the cell is seen exactly, be the lit or hidden part ever so narrow. If they
+//!   disagree, that cell's part is integrated over the other polygon instead.
 
 use super::blockers::{Blocker, vector_area};
 use super::fragments::Fragments;
@@ -39,58 +45,32 @@ const MOST_CELLS: usize = 20_000;
 #[derive(Default)]
 pub struct Hidden {
     fragments: Fragments,
-    heap: BinaryHeap<Cell>,
     order: Vec<u32>,
 }
 
 impl Hidden {
-    /// The part of `A1 F12`, m2, that blockers take from the unoccluded exchange `whole`, to about `tolerance` m2.
+    /// The part of `A1 F12`, m2, that blockers take from the unoccluded exchange, to about `tolerance` m2.
     pub fn exchange(
         &mut self,
         first: End,
         second: End,
         blockers: &[Blocker],
         candidates: &[u32],
-        whole: f64,
         tolerance: f64,
         contact: f64,
     ) -> Estimate {
-        let feet = |end: &End| feet(end, blockers, candidates, contact);
-        let (feet1, feet2) = (feet(&first), feet(&second));
+        let feet = |end: &End| feet(end, blockers, candidates, contact).len();
         // Integrate over the end that no blocker stands on, else over the smaller.
-        let from_first = match feet1.len().cmp(&feet2.len()) {
+        let from_first = match feet(&first).cmp(&feet(&second)) {
             Ordering::Less => true,
             Ordering::Greater => false,
             Ordering::Equal => first.facet.area <= second.facet.area,
         };
-        let (source, target, feet) = if from_first { (first, second, feet1) } else { (second, first, feet2) };
+        let (source, target) = if from_first { (first, second) } else { (second, first) };
         self.order_by_size(source, blockers, candidates);
-        let Self { fragments, heap, order } = self;
-        let near: Vec<Near> = order.iter().map(|&k| Near::new(&blockers[k as usize])).collect();
-        let normal = source.facet.normal;
-        let mut hidden = |x: DVec3| {
-            let whole = fragments.visible(x, normal, target.polygon, std::iter::empty(), contact);
-            let list = order.iter().map(|&k| &blockers[k as usize]);
-            whole - fragments.visible(x, normal, target.polygon, list, contact)
-        };
-        heap.clear();
-        // No point hides more of the target than all of it, and that is seldom more than four times the mean.
-        let negligible = if whole > 0.0 { 0.1 * tolerance * source.facet.area / (4.0 * whole) } else { 0.0 };
-        let mut waiting: Vec<[DVec3; 3]> = cut_at(source, &feet, contact)
-            .iter()
-            .flat_map(|cell| cell[1..].windows(2).map(|pair| [cell[0], pair[0], pair[1]]))
-            .collect();
-        while let Some(triangle) = waiting.pop() {
-            let is_coarse = waiting.len() + heap.len() < MOST_FIRST_CELLS
-                && 2.0 * area_of(&triangle) > negligible
-                && near.iter().any(|n| n.is_coarse(&triangle));
-            if is_coarse {
-                waiting.extend(quarters(&triangle));
-            } else {
-                heap.extend(Cell::new(triangle, &mut hidden));
-            }
-        }
-        refine(heap, tolerance, &mut hidden)
+        let Self { fragments, order } = self;
+        let between = Between { blockers, order, contact };
+        View { source, target, between, fragments }.integral(tolerance, true)
     }
 
     /// What looms largest comes first: it leaves fewest fragments to those after it.
@@ -107,8 +87,171 @@ impl Hidden {
     }
 }
 
+/// What stands between two polygons.
+#[derive(Clone, Copy)]
+struct Between<'a> {
+    blockers: &'a [Blocker],
+    /// Which of them, and in which order they are looked at.
+    order: &'a [u32],
+    contact: f64,
+}
+
+/// One polygon as points of another see it.
+struct View<'a> {
+    source: End<'a>,
+    target: End<'a>,
+    between: Between<'a>,
+    fragments: &'a mut Fragments,
+}
+
 /// Cells to begin with at most.
 const MOST_FIRST_CELLS: usize = 4_000;
+
+/// A share of what a point sees that is rounding.
+const NOTHING: f64 = 1e-11;
+
+impl View<'_> {
+    /// The form factors from a point of the source to the target: all of it, and what of it is hidden.
+    fn at(&mut self, x: DVec3) -> (f64, f64) {
+        let (normal, Between { blockers, order, contact }) = (self.source.facet.normal, self.between);
+        let whole = self.fragments.visible(x, normal, self.target.polygon, std::iter::empty(), contact);
+        let list = order.iter().map(|&k| &blockers[k as usize]);
+        (whole, whole - self.fragments.visible(x, normal, self.target.polygon, list, contact))
+    }
+
+    /// The integral over the source of what is hidden. `may_turn`: whether cells may be looked at from the target.
+    fn integral(&mut self, tolerance: f64, may_turn: bool) -> Estimate {
+        let Between { blockers, order, contact } = self.between;
+        let near: Vec<Near> = order.iter().map(|&k| Near::new(&blockers[k as usize])).collect();
+        let feet = feet(&self.source, blockers, order, contact);
+        let mut waiting: Vec<[DVec3; 3]> = cut_at(self.source, &feet, contact)
+            .iter()
+            .flat_map(|cell| cell[1..].windows(2).map(|pair| [cell[0], pair[0], pair[1]]))
+            .collect();
+        let mut heap = BinaryHeap::new();
+        while let Some(triangle) = waiting.pop() {
+            let Some(cell) = self.cell(triangle) else { continue };
+            let is_coarse = waiting.len() + heap.len() < MOST_FIRST_CELLS
+                && cell.whole > 0.1 * tolerance
+                && near.iter().any(|n| n.is_coarse(&triangle));
+            if is_coarse {
+                waiting.extend(quarters(&triangle));
+            } else {
+                heap.push(if may_turn { self.checked(cell, tolerance) } else { cell });
+            }
+        }
+        self.refine(heap, tolerance, may_turn)
+    }
+
+    /// Splits the worst cell until the errors sum to no more than the tolerance.
+    fn refine(&mut self, mut heap: BinaryHeap<Cell>, tolerance: f64, may_turn: bool) -> Estimate {
+        let total = |heap: &BinaryHeap<Cell>| heap.iter().map(|c| c.error).sum::<f64>();
+        let mut error = total(&heap);
+        while error > tolerance && heap.len() < MOST_CELLS {
+            let worst = heap.pop().expect("an error is some cell's");
+            error -= worst.error;
+            for child in self.split(&worst) {
+                let child = if may_turn { self.checked(child, tolerance) } else { child };
+                error += child.error;
+                heap.push(child);
+            }
+            if heap.len().is_multiple_of(256) {
+                error = total(&heap);
+            }
+        }
+        Estimate { value: heap.iter().map(|c| c.value).sum(), error: total(&heap) }
+    }
+
+    /// A cell with its integral; none if the triangle has no area.
+    fn cell(&mut self, corners: [DVec3; 3]) -> Option<Cell> {
+        let [a, b, c] = corners;
+        let area = area_of(&corners);
+        if area == 0.0 {
+            return None;
+        }
+        let (mut all_hidden, mut all_visible, mut most) = (true, true, 0.0f64);
+        let mut f = |x: DVec3| {
+            let (whole, hidden) = self.at(x);
+            all_hidden &= hidden >= (1.0 - NOTHING) * whole;
+            all_visible &= hidden <= NOTHING * whole;
+            most = most.max(whole);
+            hidden
+        };
+        let middle = f((a + b + c) / 3.0);
+        let mut value = CENTRE * middle;
+        let mut orbits = [0.0; 2];
+        for (sum, (t, weight)) in orbits.iter_mut().zip(ORBITS) {
+            for (p, q, r) in [(a, b, c), (b, c, a), (c, a, b)] {
+                *sum += f((1.0 - 2.0 * t) * p + t * (q + r));
+            }
+            value += weight * *sum;
+        }
+        // With the centre, each orbit alone makes a rule of degree 2.
+        let roughness = orbits
+            .iter()
+            .zip(ORBITS)
+            .map(|(sum, (t, _))| {
+                let spread = (1.0 - 2.0 * t) * (1.0 - 2.0 * t) + 2.0 * t * t - 1.0 / 3.0;
+                let weight = 1.0 / (6.0 * spread);
+                (value - ((1.0 - weight) * middle + weight / 3.0 * sum)).abs()
+            })
+            .fold(0.0, f64::max);
+        // So do its corners. What is all but hidden comes into view at a corner first: from where a single convex
+        // blocker hides all of the target is a convex set. Corners themselves may lie in a blocker's plane.
+        let mut inset = |p: DVec3| f(p + CORNER_INSET * ((a + b + c) / 3.0 - p));
+        let by_corners = 0.75 * middle + corners.map(&mut inset).iter().sum::<f64>() / 12.0;
+        let roughness = area * roughness.max((value - by_corners).abs());
+        let uniform = if all_hidden {
+            Uniform::Hidden
+        } else if all_visible {
+            Uniform::Visible
+        } else {
+            Uniform::Not
+        };
+        Some(Cell { corners, whole: area * most, value: area * value, roughness, error: roughness, uniform })
+    }
+
+    /// The four halves of a cell.
+    fn split(&mut self, cell: &Cell) -> Vec<Cell> {
+        let mut children: Vec<Cell> = quarters(&cell.corners).into_iter().filter_map(|t| self.cell(t)).collect();
+        // What the halves changed is the error the whole had. Smooth parts lose nearly all of it, kinks about half;
+        // the halves share that by how rough they look themselves.
+        let change = (cell.value - children.iter().map(|c| c.value).sum::<f64>()).abs();
+        let rough: f64 = children.iter().map(|c| c.roughness).sum();
+        let left = (0.5 * change).max(ROUGH_SHARE * rough);
+        for child in &mut children {
+            child.error = if rough > 0.0 { left * child.roughness / rough } else { 0.0 };
+        }
+        children
+    }
+
+    /// A cell that looks all hidden or all visible, looked at from the target: integrated over that if it is neither.
+    fn checked(&mut self, cell: Cell, tolerance: f64) -> Cell {
+        if cell.uniform == Uniform::Not || cell.whole <= 0.1 * tolerance || !self.is_mistaken(&cell) {
+            return cell;
+        }
+        let (source, target, between) = (self.target, self.source, self.between);
+        let target = End { polygon: &cell.corners, ..target };
+        let turned = View { source, target, between, fragments: &mut *self.fragments }.integral(0.1 * tolerance, false);
+        Cell { value: turned.value, error: turned.error, ..cell }
+    }
+
+    /// Whether corners and middle of the target see the cell otherwise than its points see the target.
+    fn is_mistaken(&mut self, cell: &Cell) -> bool {
+        let (source, target, between) = (self.target, self.source, self.between);
+        let target = End { polygon: &cell.corners, ..target };
+        let mut turned = View { source, target, between, fragments: &mut *self.fragments };
+        let corners = source.polygon;
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        corners.iter().map(|&c| c + CORNER_INSET * (middle - c)).chain([middle]).any(|y| {
+            let (whole, hidden) = turned.at(y);
+            match cell.uniform {
+                Uniform::Hidden => hidden < (1.0 - NOTHING) * whole,
+                _ => hidden > NOTHING * whole,
+            }
+        })
+    }
+}
 
 /// How finely what a blocker hides varies near it.
 struct Near {
@@ -145,13 +288,24 @@ fn quarters([a, b, c]: &[DVec3; 3]) -> [[DVec3; 3]; 4] {
     [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]]
 }
 
+/// What all points of a cell say.
+#[derive(Clone, Copy, PartialEq)]
+enum Uniform {
+    Hidden,
+    Visible,
+    Not,
+}
+
 /// A triangle with the integral over it.
 struct Cell {
     corners: [DVec3; 3],
+    /// The integral if all were hidden, at most.
+    whole: f64,
     value: f64,
     /// How far rules of lower degree are from the value.
     roughness: f64,
     error: f64,
+    uniform: Uniform,
 }
 
 impl PartialEq for Cell {
@@ -183,74 +337,6 @@ const ROUGH_SHARE: f64 = 0.1;
 
 /// How far corners are moved toward the middle.
 const CORNER_INSET: f64 = 1e-3;
-
-impl Cell {
-    /// None if the triangle has no area.
-    fn new(corners: [DVec3; 3], f: &mut impl FnMut(DVec3) -> f64) -> Option<Self> {
-        let [a, b, c] = corners;
-        let area = area_of(&corners);
-        if area == 0.0 {
-            return None;
-        }
-        let middle = f((a + b + c) / 3.0);
-        let mut value = CENTRE * middle;
-        let mut orbits = [0.0; 2];
-        for (sum, (t, weight)) in orbits.iter_mut().zip(ORBITS) {
-            for (p, q, r) in [(a, b, c), (b, c, a), (c, a, b)] {
-                *sum += f((1.0 - 2.0 * t) * p + t * (q + r));
-            }
-            value += weight * *sum;
-        }
-        // With the centre, each orbit alone makes a rule of degree 2.
-        let roughness = orbits
-            .iter()
-            .zip(ORBITS)
-            .map(|(sum, (t, _))| {
-                let spread = (1.0 - 2.0 * t) * (1.0 - 2.0 * t) + 2.0 * t * t - 1.0 / 3.0;
-                let weight = 1.0 / (6.0 * spread);
-                (value - ((1.0 - weight) * middle + weight / 3.0 * sum)).abs()
-            })
-            .fold(0.0, f64::max);
-        // So do its corners. What is all but hidden comes into view at a corner first: from where a single convex
-        // blocker hides all of the target is a convex set. Corners themselves may lie in a blocker's plane.
-        let mut inset = |p: DVec3| f(p + CORNER_INSET * ((a + b + c) / 3.0 - p));
-        let by_corners = 0.75 * middle + corners.map(&mut inset).iter().sum::<f64>() / 12.0;
-        let roughness = roughness.max((value - by_corners).abs());
-        Some(Self { corners, value: area * value, roughness: area * roughness, error: area * roughness })
-    }
-
-    /// The four halves.
-    fn split(&self, f: &mut impl FnMut(DVec3) -> f64) -> impl Iterator<Item = Cell> {
-        let mut children: Vec<Cell> = quarters(&self.corners).into_iter().filter_map(|t| Cell::new(t, f)).collect();
-        // What the halves changed is the error the whole had. Smooth parts lose nearly all of it, kinks about half;
-        // the halves share that by how rough they look themselves.
-        let change = (self.value - children.iter().map(|c| c.value).sum::<f64>()).abs();
-        let rough: f64 = children.iter().map(|c| c.roughness).sum();
-        let left = (0.5 * change).max(ROUGH_SHARE * rough);
-        for child in &mut children {
-            child.error = if rough > 0.0 { left * child.roughness / rough } else { 0.0 };
-        }
-        children.into_iter()
-    }
-}
-
-/// Splits the worst cell until the errors sum to no more than the tolerance.
-fn refine(heap: &mut BinaryHeap<Cell>, tolerance: f64, f: &mut impl FnMut(DVec3) -> f64) -> Estimate {
-    let total = |heap: &BinaryHeap<Cell>| heap.iter().map(|c| c.error).sum::<f64>();
-    let mut error = total(heap);
-    while error > tolerance && heap.len() < MOST_CELLS {
-        let worst = heap.pop().expect("an error is some cell's");
-        error -= worst.error;
-        for child in worst.split(f) {
-            error += child.error;
-            heap.push(child);
-        }
-        if heap.len().is_multiple_of(256) {
-            error = total(heap);
-        }
-    }
-    Estimate { value: heap.iter().map(|c| c.value).sum(), error: total(heap) }
-}
 
 /// Where blockers stand on the plane of an end, or pass through it: segments.
 fn feet(end: &End, blockers: &[Blocker], candidates: &[u32], contact: f64) -> Vec<[DVec3; 2]> {
