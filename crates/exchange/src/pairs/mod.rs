@@ -73,7 +73,7 @@ pub struct Tally {
     pub by_rays: u64,
     /// Rays cast.
     pub rays: u64,
-    /// Partial pairs whose error is estimated above what they were allowed.
+    /// Partial pairs whose integration ended before the error was what they were allowed.
     pub unresolved: u64,
     /// The greatest error estimate of a form factor among partial pairs.
     pub worst_error: f64,
@@ -410,7 +410,6 @@ impl<'a> Task<'a> {
         let smaller = first.facet.area.min(second.facet.area);
         let allowed = PARTIAL_SHARE * self.scene.settings.tolerance * (whole * smaller).sqrt();
         let hidden = self.hidden(&Ends { numbers, first, second, whole, are_apart, allowed }, candidates);
-        self.tally.unresolved += u64::from(hidden.error > 1.01 * allowed);
         self.tally.worst_error = self.tally.worst_error.max(hidden.error / smaller);
         let left = whole - hidden.value;
         // What rounding leaves of a pair that is hidden altogether is nothing.

@@ -95,7 +95,10 @@ impl Task<'_> {
             return self.by_parts(ends, blockers, depth);
         }
         let list = &self.scene.blockers;
-        self.scratch.hidden.exchange(ends.first, ends.second, &list.list, blockers, ends.allowed, list.contact)
+        let hidden = &mut self.scratch.hidden;
+        let estimate = hidden.exchange(ends.first, ends.second, &list.list, blockers, ends.allowed, list.contact);
+        self.tally.unresolved += u64::from(estimate.error > 1.01 * ends.allowed);
+        estimate
     }
 
     /// Cuts the larger polygon and adds up what is hidden of the parts.
