@@ -53,17 +53,34 @@ impl Orders {
         Self { most }
     }
 
-    /// The cheapest order for a pair, or none: `r` from the first centre to the second, cosines times its length.
+    /// The cheapest order for a pair, or none.
     #[inline(always)]
-    pub fn choose(&self, distance_squared: f64, radii: f64, height1: f64, height2: f64) -> Option<usize> {
+    pub fn choose(&self, pair: &Separation) -> Option<usize> {
+        let Separation { distance_squared, radii, heights: (height1, height2), little } = *pair;
         // What the heights may be anywhere on the pair, against what they are in the middle.
         let (most1, most2) = (height1.max(0.0) + radii, height2.max(0.0) + radii);
-        let share = (height1.max(0.0) * height2.max(0.0) / (most1 * most2)).max(LEAST_SHARE);
+        let most = most1 * most2;
+        let enough = (height1.max(0.0) * height2.max(0.0)).max(little * distance_squared * distance_squared);
+        let share = (enough / most).clamp(LEAST_SHARE, 1.0);
         // 1, 1/2, 1/4 ...: the exponent of a float in (0, 1].
         let bucket = (1023 - (share.to_bits() >> 52)) as usize;
         let eta_squared = radii * radii / distance_squared;
         (0..ORDERS.len()).find(|&order| eta_squared <= self.most[order][bucket])
     }
+}
+
+/// How two polygons lie, as far as the error of a rule depends on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Separation {
+    /// Of the centres.
+    pub distance_squared: f64,
+    /// The sum of the radii about them.
+    pub radii: f64,
+    /// Of the other's centre above the plane of each.
+    pub heights: (f64, f64),
+    /// An exchange so little that the tolerance is meant relative to it even where there is less, as the product of
+    /// cosines over the square of the distance that makes it: zero if there is none.
+    pub little: f64,
 }
 
 /// The exchange, m2, between two convex polygons by the rule of an order.
@@ -155,6 +172,13 @@ mod tests {
     }
 
     #[test]
+    fn little_exchange_needs_no_exact_rule() {
+        let orders = Orders::new(1e-6);
+        let grazing = Separation { distance_squared: 100.0, radii: 1.0, heights: (0.01, 0.01), little: 0.0 };
+        assert!(orders.choose(&Separation { little: 1e-4, ..grazing }) < orders.choose(&grazing));
+    }
+
+    #[test]
     fn the_order_chosen_meets_the_tolerance() {
         for tolerance in [1e-2, 1e-4, 1e-6, 1e-8] {
             let orders = Orders::new(tolerance);
@@ -162,7 +186,9 @@ mod tests {
             for pair in pairs(2000) {
                 let [n1, n2] = pair.normals;
                 let (h1, h2) = (n1.dot(pair.r), -n2.dot(pair.r));
-                let Some(order) = orders.choose(pair.r.length_squared(), pair.radii, h1, h2) else { continue };
+                let (distance_squared, radii) = (pair.r.length_squared(), pair.radii);
+                let separation = Separation { distance_squared, radii, heights: (h1, h2), little: 0.0 };
+                let Some(order) = orders.choose(&separation) else { continue };
                 used[order] += 1;
                 let exact = contour(&pair.first, &pair.second, 1e-13);
                 let found = areas(&pair.first, n1, &pair.second, n2, order);

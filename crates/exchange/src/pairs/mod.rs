@@ -17,7 +17,7 @@ mod occlusion;
 
 use crate::enclosure::Enclosure;
 use crate::facets::{Bounds, Facet, Facets, Node};
-use crate::kernels::areas::{Orders, areas};
+use crate::kernels::areas::{ORDERS, Orders, Separation, areas};
 use crate::kernels::contour::{contour, is_closed_form};
 use crate::kernels::nusselt::{covered, nusselt};
 use crate::quadrature::PlaneRule;
@@ -202,6 +202,9 @@ enum Side {
     Across,
 }
 
+/// Points in each direction of polygons whose points are not laid out beforehand: contours are cheaper than more.
+const MOST_POINTS_OF_PARTS: usize = 4;
+
 /// An order so cheap that it is not worth finding out for which pairs a cheaper one would do.
 const CHEAP_ORDER: usize = 1;
 
@@ -298,9 +301,17 @@ impl<'a> Task<'a> {
         }
         let (near, far) = self.node.bounds.distances_squared(&target.bounds);
         let (small, large) = (self.node.radii.0 + target.radii.0, self.node.radii.1 + target.radii.1);
-        let orders = &self.scene.orders;
-        let enough = orders.choose(near, large, here.0, there.0)?;
-        (enough <= CHEAP_ORDER || Some(enough) == orders.choose(far, small, here.1, there.1)).then_some(enough)
+        let choose = |distance_squared: f64, radii: f64, heights: (f64, f64)| {
+            self.scene.orders.choose(&Separation { distance_squared, radii, heights, little: 0.0 })
+        };
+        let enough = choose(near, large, (here.0, there.0))?;
+        (enough <= CHEAP_ORDER || Some(enough) == choose(far, small, (here.1, there.1))).then_some(enough)
+    }
+
+    /// What [`Separation`] calls little: a tenth of an equal share of all that the smaller facet sends. So little may
+    /// err by the tolerance times that, and a row of it by a tenth of the tolerance.
+    fn little(&self, a: &Facet, b: &Facet) -> f64 {
+        0.1 * std::f64::consts::PI / (self.scene.facets.list.len() as f64 * a.area.max(b.area))
     }
 
     /// All pairs with a leaf by one order, nothing between.
@@ -352,7 +363,12 @@ impl<'a> Task<'a> {
             return;
         }
         if matches!(self.scene.settings.kernel, Kernel::Auto) {
-            let order = self.scene.orders.choose(r.length_squared(), a.radius + b.radius, h1, h2);
+            let order = self.scene.orders.choose(&Separation {
+                distance_squared: r.length_squared(),
+                radii: a.radius + b.radius,
+                heights: (h1, h2),
+                little: self.little(a, b),
+            });
             if let Some(order) = order {
                 self.scratch.batch.push((j as u32, order as u8));
                 return;
@@ -427,9 +443,14 @@ impl<'a> Task<'a> {
         let r = b.centre - a.centre;
         let (h1, h2) = (first.facet.normal.dot(r), -second.facet.normal.dot(r));
         let radii = a.radius + b.radius;
-        if matches!(kernel, Kernel::Auto)
-            && let Some(order) = self.scene.orders.choose(r.length_squared(), radii, h1, h2)
-        {
+        let separation = Separation {
+            distance_squared: r.length_squared(),
+            radii,
+            heights: (h1, h2),
+            little: self.little(first.facet, second.facet),
+        };
+        let order = if matches!(kernel, Kernel::Auto) { self.scene.orders.choose(&separation) } else { None };
+        if let Some(order) = order.filter(|&order| ORDERS[order] <= MOST_POINTS_OF_PARTS) {
             self.tally.by_areas += 1;
             let whole = areas(first.polygon, first.facet.normal, second.polygon, second.facet.normal, order);
             return (whole, true);
@@ -444,7 +465,7 @@ impl<'a> Task<'a> {
             Kernel::Analytic => 1e-12,
             _ => 0.1 * tolerance,
         };
-        (contour(first.polygon, second.polygon, tolerance * most * smaller), false)
+        (contour(first.polygon, second.polygon, tolerance * most * smaller), order.is_some())
     }
 
     fn by_nusselt(&mut self, first: End, second: End, rule: &PlaneRule, candidates: &[u32]) -> f64 {
