@@ -205,6 +205,9 @@ enum Side {
 /// Points in each direction of polygons whose points are not laid out beforehand: contours are cheaper than more.
 const MOST_POINTS_OF_PARTS: usize = 4;
 
+/// A tolerance at which rays tell of nearly all pairs.
+const LOOSE: f64 = 3e-3;
+
 /// An order so cheap that it is not worth finding out for which pairs a cheaper one would do.
 const CHEAP_ORDER: usize = 1;
 
@@ -240,9 +243,17 @@ impl<'a> Task<'a> {
         let mut list = self.scratch.take_list();
         list.clear();
         if !candidates.is_empty() {
-            let contact = self.scene.blockers.contact;
-            let shaft = Shaft::new(self.node.bounds, target.bounds, contact);
-            list.extend(candidates.iter().filter(|&&k| shaft.admits(&self.scene.blockers.list[k as usize])));
+            let shaft = Shaft::new(self.node.bounds, target.bounds, self.scene.blockers.contact);
+            let mut admitted =
+                candidates.iter().copied().filter(|&k| shaft.admits(&self.scene.blockers.list[k as usize]));
+            if target.children.is_none() && self.scene.settings.tolerance >= LOOSE {
+                // Rays will tell of nearly all pairs: what matters is whether anything may be between.
+                if admitted.next().is_some() {
+                    list.extend_from_slice(candidates);
+                }
+            } else {
+                list.extend(admitted);
+            }
         }
         let walked = match target.children {
             Some(children) => children.into_iter().try_for_each(|c| self.walk(c, &list, control)),
@@ -434,10 +445,11 @@ impl<'a> Task<'a> {
 
     /// The exchange if nothing stood between, and whether the pair is well apart.
     fn unoccluded(&mut self, first: End, second: End) -> (f64, bool) {
-        self.unoccluded_by(&self.scene.settings.kernel, first, second)
+        self.unoccluded_by(&self.scene.settings.kernel, first, second, 0.0)
     }
 
-    fn unoccluded_by(&mut self, kernel: &Kernel, first: End, second: End) -> (f64, bool) {
+    /// The same by a kernel, where an error of `enough` m2 is none.
+    fn unoccluded_by(&mut self, kernel: &Kernel, first: End, second: End, enough: f64) -> (f64, bool) {
         let tolerance = self.scene.settings.tolerance;
         let (a, b) = (Extent::of(first), Extent::of(second));
         let r = b.centre - a.centre;
@@ -465,7 +477,8 @@ impl<'a> Task<'a> {
             Kernel::Analytic => 1e-12,
             _ => 0.1 * tolerance,
         };
-        (contour(first.polygon, second.polygon, tolerance * most * smaller), order.is_some())
+        let tolerance = (tolerance * most * smaller).max(enough);
+        (contour(first.polygon, second.polygon, tolerance), order.is_some())
     }
 
     fn by_nusselt(&mut self, first: End, second: End, rule: &PlaneRule, candidates: &[u32]) -> f64 {

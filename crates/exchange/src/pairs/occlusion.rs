@@ -47,7 +47,7 @@ impl Task<'_> {
             self.tally.partial += 1;
             return estimate;
         }
-        self.hidden_in_parts(ends, candidates, 0)
+        self.hidden_by(ends, candidates)
     }
 
     fn hidden_by_rays(&mut self, ends: &Ends, are_whole: bool) -> Option<Estimate> {
@@ -67,16 +67,15 @@ impl Task<'_> {
         matches!(self.scene.settings.kernel, Kernel::Auto) && Rays::may_do(ends.allowed / ends.whole)
     }
 
-    fn hidden_in_parts(&mut self, ends: &Ends, candidates: &[u32], depth: usize) -> Estimate {
+    /// What is hidden of a pair of whole facets, once it is known what may be between.
+    fn hidden_by(&mut self, ends: &Ends, candidates: &[u32]) -> Estimate {
         let mut kept = self.scratch.take_list();
         let sight = self.between(ends.first, ends.second, candidates, &mut kept);
-        if depth == 0 {
-            self.tally.count(sight);
-        }
+        self.tally.count(sight);
         let estimate = match sight {
             Sight::Full => Estimate::default(),
             Sight::None => Estimate { value: ends.whole, error: 0.0 },
-            Sight::Partial => self.partly_hidden(ends, &kept, depth),
+            Sight::Partial => self.partly_hidden(ends, &kept, 0),
         };
         self.scratch.lists.push(kept);
         estimate
@@ -110,18 +109,33 @@ impl Task<'_> {
         for part in parts(if cut_first { a.polygon } else { b.polygon }) {
             let (first, second) =
                 if cut_first { (End { polygon: &part, ..a }, b) } else { (a, End { polygon: &part, ..b }) };
-            let (whole, are_apart) = self.unoccluded_by(&Kernel::Auto, first, second);
-            if whole <= 0.0 {
-                continue;
-            }
-            // As errors of parts add up in squares.
-            let allowed = ends.allowed * (whole / ends.whole).sqrt().min(1.0);
-            let ends = Ends { first, second, whole, are_apart, allowed, ..*ends };
-            let hidden = self.hidden_in_parts(&ends, blockers, depth + 1);
+            let hidden = self.hidden_of_part(ends, (first, second), blockers, depth + 1);
             sum.value += hidden.value;
             variance += hidden.error * hidden.error;
         }
         Estimate { error: variance.sqrt(), ..sum }
+    }
+}
+
+impl Task<'_> {
+    /// What is hidden of a part. Only where something is between is it worth knowing how much that part exchanges.
+    fn hidden_of_part(&mut self, of: &Ends, (first, second): (End, End), blockers: &[u32], depth: usize) -> Estimate {
+        let mut kept = self.scratch.take_list();
+        let sight = self.between(first, second, blockers, &mut kept);
+        let mut estimate = Estimate::default();
+        if sight != Sight::Full {
+            let (whole, are_apart) = self.unoccluded_by(&Kernel::Auto, first, second, 0.1 * of.allowed);
+            estimate = match sight {
+                Sight::Partial if whole > 0.0 => {
+                    // As errors of parts add up in squares.
+                    let allowed = of.allowed * (whole / of.whole).sqrt().min(1.0);
+                    self.partly_hidden(&Ends { first, second, whole, are_apart, allowed, ..*of }, &kept, depth)
+                }
+                _ => Estimate { value: whole, error: 0.0 },
+            };
+        }
+        self.scratch.lists.push(kept);
+        estimate
     }
 }
 
