@@ -85,7 +85,8 @@ class FactorReport:
             rows.append(("unoccluded by", f"{self.by_areas:,} area and {self.by_contour:,} contour integrals"))
         if self.unresolved:
             rows.append(("unresolved", f"{self.unresolved:,} pairs: their error exceeds what was asked"))
-        rows += [("memory", f"{self.memory_bytes / 1e6:.1f} MB"), ("time", f"{self.seconds:.2f} s")]
+        memory, unit = (self.memory_bytes / 1e6, "MB") if self.memory_bytes >= 1e5 else (self.memory_bytes / 1e3, "kB")
+        rows += [("memory", f"{memory:.1f} {unit}"), ("time", f"{self.seconds:.2f} s")]
         return "\n".join(f"{label:<18}{value}" for label, value in rows)
 
 

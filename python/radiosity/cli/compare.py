@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from radiosity.cli import output, source
@@ -43,12 +43,6 @@ class Row:
     rms: float
     worst: float
     disagreement: float
-
-
-def within_reach(meshing: source.Meshing) -> source.Meshing:
-    """The meshing, for few enough patches where it is left open how many there are to be."""
-    given = meshing.as_is or meshing.max_edge or meshing.count or meshing.max_patches
-    return meshing if given else replace(meshing, max_patches=MOST_PATCHES)
 
 
 def compare(
