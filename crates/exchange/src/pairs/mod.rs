@@ -29,7 +29,7 @@ use crate::visibility::{Blockers, Shaft};
 use glam::DVec3;
 use nodes::Nodes;
 use occlusion::Ends;
-use radiosity_operator::{Block, Cancelled, Control, Symmetric};
+use radiosity_operator::{Block, Cancelled, Control, Precision, Symmetric};
 use rayon::prelude::*;
 
 /// The method for what two facets exchange unoccluded.
@@ -130,6 +130,7 @@ pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) ->
     };
     control.expect((n * n.saturating_sub(1) / 2) as u64);
     let leaves: Vec<usize> = scene.facets.leaves().collect();
+    let precision = if settings.tolerance >= SINGLE_ABOVE { Precision::Single } else { Precision::Double };
     let measured: Vec<_> = leaves
         .into_par_iter()
         .with_max_len(1)
@@ -141,8 +142,11 @@ pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) ->
             task.tally.rays = std::mem::take(&mut task.scratch.rays.cast);
             let pairs: usize = rows.clone().map(|i| n - 1 - i).sum();
             control.advance(pairs as u64);
-            // Compressed while it is at hand, which is soonest, and so that sparse rows never take dense memory at once.
-            Ok((Block::new(n, rows, task.values), task.tally))
+            // Packed while it is at hand, which is soonest, and so that sparse rows never take dense memory at once.
+            let block = Block::new(n, rows, &task.values, precision);
+            let tally = task.tally;
+            scratch.values = task.values;
+            Ok((block, tally))
         })
         .collect::<Result<_, Cancelled>>()?;
     let tally = measured.iter().fold(Tally::default(), |sum, m| sum.plus(m.1));
@@ -165,6 +169,8 @@ struct Scene<'a> {
 /// Buffers of a worker.
 #[derive(Default)]
 struct Scratch {
+    /// What a leaf exchanges, when no leaf is at hand.
+    values: Vec<f64>,
     /// Lists of blockers that are not in use.
     lists: Vec<Vec<u32>>,
     hidden: Hidden,
@@ -205,6 +211,9 @@ enum Side {
 /// Points in each direction of polygons whose points are not laid out beforehand: contours are cheaper than more.
 const MOST_POINTS_OF_PARTS: usize = 4;
 
+/// From this tolerance on what is stored is rounded to single precision, to 6e-8 of each.
+const SINGLE_ABOVE: f64 = 1e-5;
+
 /// A tolerance at which rays tell of nearly all pairs.
 const LOOSE: f64 = 3e-3;
 
@@ -226,7 +235,10 @@ impl<'a> Task<'a> {
         let node = &scene.facets.nodes[leaf];
         let n = scene.facets.list.len();
         let count = node.range.clone().map(|i| n - 1 - i).sum();
-        Self { scene, scratch, node, values: vec![0.0; count], tally: Tally::default() }
+        let mut values = std::mem::take(&mut scratch.values);
+        values.clear();
+        values.resize(count, 0.0);
+        Self { scene, scratch, node, values, tally: Tally::default() }
     }
 
     fn walk_all(&mut self, control: &Control) -> Result<(), Cancelled> {

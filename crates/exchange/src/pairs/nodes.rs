@@ -22,13 +22,24 @@ struct Layer {
 pub struct Nodes {
     layers: Vec<Layer>,
     normals: Vec<[f64; 3]>,
+    /// Middle, normal and area of all facets coordinate by coordinate: order 1 has one point a facet.
+    middles: [Vec<f64>; 7],
 }
 
 impl Nodes {
     /// Places the points of every order on every facet.
     pub fn new(facets: &[Facet]) -> Self {
         let layers = (0..ORDERS.len()).map(|order| Layer::new(facets, order)).collect();
-        Self { layers, normals: facets.iter().map(|f| f.normal.to_array()).collect() }
+        let coordinate = |k: usize| {
+            let of = |f: &Facet| match k {
+                0..3 => f.centre[k],
+                3..6 => f.normal[k - 3],
+                _ => f.area,
+            };
+            facets.iter().map(of).collect()
+        };
+        let normals = facets.iter().map(|f| f.normal.to_array()).collect();
+        Self { layers, normals, middles: std::array::from_fn(coordinate) }
     }
 
     /// Bytes that the points of so many facets take.
@@ -79,9 +90,27 @@ impl Nodes {
 
     #[inline(always)]
     fn run_plain(&self, i: usize, facets: Range<usize>, order: usize, out: &mut [f64]) {
+        if ORDERS[order] == 1 {
+            return self.middles_plain(i, facets, out);
+        }
         let layer = &self.layers[order];
         for (j, out) in facets.zip(out) {
             *out = layer.pair(i, j, self.normals[i], self.normals[j]);
+        }
+    }
+
+    /// From middle to middle, several facets at a time.
+    #[inline(always)]
+    fn middles_plain(&self, i: usize, facets: Range<usize>, out: &mut [f64]) {
+        let [xi, yi, zi, ni, mi, li, ai] = std::array::from_fn(|k| self.middles[k][i]);
+        let [x, y, z, n, m, l, a] = std::array::from_fn(|k| &self.middles[k][facets.clone()]);
+        let scale = ai * FRAC_1_PI;
+        for (k, out) in out[..facets.len()].iter_mut().enumerate() {
+            let (rx, ry, rz) = (x[k] - xi, y[k] - yi, z[k] - zi);
+            let r2 = rx * rx + ry * ry + rz * rz;
+            let here = ni * rx + mi * ry + li * rz;
+            let there = n[k] * rx + m[k] * ry + l[k] * rz;
+            *out = -scale * a[k] * (here * there) / (r2 * r2);
         }
     }
 }
@@ -101,7 +130,11 @@ impl Layer {
                 layer.weight.push(w);
                 last = p;
             };
-            rule(order).on(facet.corners(), &mut push);
+            if points == 1 {
+                push(facet.centre, facet.area);
+            } else {
+                rule(order).on(facet.corners(), &mut push);
+            }
             (points..stride).for_each(|_| push(facet.centre, 0.0));
         }
         layer
@@ -152,14 +185,16 @@ mod tests {
         let patches = Patches::new(polygons, vec![0; 3], vec![0; 3], vec![false; 3]);
         let facets = Facets::new(&Enclosure::new(patches)).list;
         let nodes = Nodes::new(&facets);
-        for order in 0..ORDERS.len() {
+        for (order, &points) in ORDERS.iter().enumerate() {
             let (mut plain, mut row, mut run) = ([0.0; 3], [0.0; 3], [0.0; 3]);
             nodes.run_plain(0, 0..3, order, &mut plain);
             nodes.run(0, 0..3, order, &mut run);
             nodes.row(0, &[0, 1, 2].map(|j| (j, order as u8)), &mut row);
             let bits = |values: [f64; 3]| [values[1].to_bits(), values[2].to_bits()];
             assert_eq!(bits(plain), bits(run));
-            assert_eq!(bits(plain), bits(row));
+            // One point is summed in another way when it is summed alone.
+            let alike = (1..3).all(|k| (row[k] - run[k]).abs() <= 1e-15 * run[k].abs());
+            assert!(if points == 1 { alike } else { bits(plain) == bits(row) });
         }
     }
 }

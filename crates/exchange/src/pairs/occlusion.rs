@@ -51,12 +51,10 @@ impl Task<'_> {
     }
 
     fn hidden_by_rays(&mut self, ends: &Ends, are_whole: bool) -> Option<Estimate> {
-        let Scene { enclosure, points, settings, .. } = self.scene;
-        let may_do =
-            matches!(settings.kernel, Kernel::Auto) && ends.are_apart && Rays::may_do(ends.allowed / ends.whole);
-        if !may_do {
+        if !(ends.are_apart && self.rays_are_exact_enough(ends)) {
             return None;
         }
+        let Scene { enclosure, points, .. } = self.scene;
         let pair = Pair { numbers: are_whole.then_some(ends.numbers), first: ends.first, second: ends.second };
         let estimate = self.scratch.rays.hidden(enclosure, points, pair, ends.whole, ends.allowed)?;
         self.tally.by_rays += 1;
@@ -115,9 +113,7 @@ impl Task<'_> {
         }
         Estimate { error: variance.sqrt(), ..sum }
     }
-}
 
-impl Task<'_> {
     /// What is hidden of a part. Only where something is between is it worth knowing how much that part exchanges.
     fn hidden_of_part(&mut self, of: &Ends, (first, second): (End, End), blockers: &[u32], depth: usize) -> Estimate {
         let mut kept = self.scratch.take_list();
@@ -131,7 +127,7 @@ impl Task<'_> {
                     let allowed = of.allowed * (whole / of.whole).sqrt().min(1.0);
                     self.partly_hidden(&Ends { first, second, whole, are_apart, allowed, ..*of }, &kept, depth)
                 }
-                _ => Estimate { value: whole, error: 0.0 },
+                _ => Estimate { value: whole.max(0.0), error: 0.0 },
             };
         }
         self.scratch.lists.push(kept);
