@@ -477,7 +477,7 @@ impl<'a> Task<'a> {
         if let Some(order) = order.filter(|&order| ORDERS[order] <= MOST_POINTS_OF_PARTS) {
             self.tally.by_areas += 1;
             let whole = areas(first.polygon, first.facet.normal, second.polygon, second.facet.normal, order);
-            return (whole, true);
+            return (whole, are_apart(r, radii));
         }
         self.tally.by_contour += 1;
         let smaller = first.facet.area.min(second.facet.area);
@@ -490,7 +490,7 @@ impl<'a> Task<'a> {
             _ => 0.1 * tolerance,
         };
         let tolerance = (tolerance * most * smaller).max(enough);
-        (contour(first.polygon, second.polygon, tolerance), order.is_some())
+        (contour(first.polygon, second.polygon, tolerance), are_apart(r, radii))
     }
 
     fn by_nusselt(&mut self, first: End, second: End, rule: &PlaneRule, candidates: &[u32]) -> f64 {
@@ -537,7 +537,9 @@ impl<'a> Task<'a> {
         for (&(j, _), &whole) in batch.iter().zip(&exchange) {
             let end = |k: usize| End { facet: &facets[k], polygon: facets[k].corners() };
             let j = j as usize;
-            *self.value_mut(i, j) = self.less_hidden((i, j), end(i), end(j), whole, true, candidates);
+            let (a, b) = (&facets[i], &facets[j]);
+            let are_apart = are_apart(b.centre - a.centre, a.radius + b.radius);
+            *self.value_mut(i, j) = self.less_hidden((i, j), end(i), end(j), whole, are_apart, candidates);
         }
         (self.scratch.batch, self.scratch.exchange) = (batch, exchange);
     }
@@ -553,6 +555,12 @@ impl<'a> Task<'a> {
         let first = self.node.range.start;
         (i - first) * (n - 1) - (first..i).sum::<usize>() + j - i - 1
     }
+}
+
+/// Whether lines between two balls differ so little that a few of them tell of all: their ends within a ratio of
+/// distances of about 3.
+fn are_apart(between: DVec3, radii: f64) -> bool {
+    radii * radii <= 0.25 * between.length_squared()
 }
 
 /// The least and the greatest height of a box above a facet's plane.

@@ -20,7 +20,7 @@ const MANY_BLOCKERS: usize = 24;
 const CUTS_FOR_BLOCKERS: usize = 3;
 
 /// The share of the allowed error that parts left at half hidden may take, each.
-const NEGLIGIBLE: f64 = 0.3;
+const NEGLIGIBLE: f64 = 0.2;
 
 /// A pair of polygons, and what is known of it.
 #[derive(Clone, Copy)]

@@ -20,7 +20,7 @@ use radiosity_geometry::sampling::Sequence;
 const MOST_RAYS: usize = 1024;
 
 /// The fewest.
-const LEAST_RAYS: usize = 2;
+const LEAST_RAYS: usize = 4;
 
 /// Lines whose ends are kept with the facets: all that are cast where few do, else those that do not count.
 const KEPT: usize = 32;
@@ -63,7 +63,7 @@ impl Points {
 const RATE: f64 = 0.58;
 
 /// The standard deviation of whether a line is blocked, over pairs of which nothing is known.
-const UNKNOWN: f64 = 0.35;
+const UNKNOWN: f64 = 0.45;
 
 /// Lines for an error of a share, by the standard deviation of one.
 fn enough(deviation: f64, error: f64) -> f64 {
