@@ -184,22 +184,18 @@ fn forecast(sides: usize, method: Method) -> u64 {
 
 /// The greatest difference of two operators on the same sides, as a form factor of the smaller side.
 fn greatest_change(enclosure: &Enclosure, a: &Symmetric, b: &Symmetric) -> f64 {
-    let (offsets, columns, before) = a.to_csr();
-    let in_first = |i: usize, j: usize| {
-        let range = offsets[i]..offsets[i + 1];
-        columns[range.clone()].binary_search(&(j as u32)).map_or(0.0, |k| before[range.start + k])
+    // Over the pairs of one; what only the other has is found the other way round.
+    let one_way = |from: &Symmetric, to: &Symmetric| {
+        let (offsets, columns, values) = to.to_csr();
+        let mut worst = 0.0f64;
+        from.for_each_pair(|i, j, value| {
+            let row = offsets[i]..offsets[i + 1];
+            let other = columns[row.clone()].binary_search(&(j as u32)).map_or(0.0, |k| values[row.start + k]);
+            worst = worst.max((value - other).abs() / enclosure.area(i).min(enclosure.area(j)));
+        });
+        worst
     };
-    let smaller = |i: usize, j: usize| enclosure.area(i).min(enclosure.area(j));
-    let mut worst = 0.0f64;
-    b.for_each_pair(|i, j, value| worst = worst.max((value - in_first(i, j)).abs() / smaller(i, j)));
-    // What only the first has.
-    let (offsets, columns, after) = b.to_csr();
-    let in_second = |i: usize, j: usize| {
-        let range = offsets[i]..offsets[i + 1];
-        columns[range.clone()].binary_search(&(j as u32)).map_or(0.0, |k| after[range.start + k])
-    };
-    a.for_each_pair(|i, j, value| worst = worst.max((value - in_second(i, j)).abs() / smaller(i, j)));
-    worst
+    one_way(a, b).max(one_way(b, a))
 }
 
 type Measured = (Symmetric, Option<Symmetric>, FactorReport);
