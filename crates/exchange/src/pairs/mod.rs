@@ -130,7 +130,8 @@ pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) ->
     };
     control.expect((n * n.saturating_sub(1) / 2) as u64);
     let leaves: Vec<usize> = scene.facets.leaves().collect();
-    let precision = if settings.tolerance >= SINGLE_ABOVE { Precision::Single } else { Precision::Double };
+    let is_rough = is_auto && settings.tolerance >= SINGLE_ABOVE;
+    let precision = if is_rough { Precision::Single } else { Precision::Double };
     let measured: Vec<_> = leaves
         .into_par_iter()
         .with_max_len(1)

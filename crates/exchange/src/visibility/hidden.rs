@@ -148,7 +148,7 @@ impl View<'_> {
         let total = |heap: &BinaryHeap<Cell>| heap.iter().map(|c| c.error).sum::<f64>();
         let mut error = total(&heap);
         while error > tolerance && heap.len() < MOST_CELLS {
-            let worst = heap.pop().expect("an error is some cell's");
+            let Some(worst) = heap.pop() else { break };
             error -= worst.error;
             for child in self.split(&worst) {
                 let child = if may_turn { self.checked(child, tolerance) } else { child };
