@@ -1,5 +1,6 @@
 //! How much of what leaves one element arrives at another. Knows geometry and no colour.
 
+pub mod convex;
 pub mod elements;
 pub mod enclosure;
 pub mod facets;

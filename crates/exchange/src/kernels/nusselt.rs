@@ -13,21 +13,17 @@
 //!
 //! When to choose it: to see and to teach what a form factor is, and for a first estimate.
 
-use crate::kernels::point_to_polygon::above_horizon;
+use crate::kernels::point_to_polygon::{above_horizon, solid_cosine};
 use crate::quadrature::PlaneRule;
 use glam::DVec3;
 use radiosity_geometry::sampling::Frame;
-use std::f64::consts::PI;
 
 /// The share of the unit disk that a polygon covers, its corners relative to the point and none below its horizon.
+///
+/// The projected sectors of all edges, each `angle / 2` times the cosine between its plane and the base, over pi: which
+/// is Lambert's formula, term by term.
 pub fn covered(normal: DVec3, corners: &[DVec3]) -> f64 {
-    let sector = |k: usize| {
-        let (a, b) = (corners[k], corners[if k + 1 == corners.len() { 0 } else { k + 1 }]);
-        let across = a.cross(b);
-        let sine = across.length();
-        if sine > 0.0 { 0.5 * sine.atan2(a.dot(b)) * normal.dot(across) / sine } else { 0.0 }
-    };
-    (0..corners.len()).map(sector).sum::<f64>().abs() / PI
+    solid_cosine(normal, corners)
 }
 
 /// The exchange, m2, from every point of a rule on the first polygon: the areas around the points, summed.
@@ -66,6 +62,7 @@ pub fn outline(normal: DVec3, corners: &[DVec3], steps: usize) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     fn square(z: f64) -> [DVec3; 4] {
         [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(x, y)| DVec3::new(x, y, z))

@@ -15,11 +15,12 @@
 mod nodes;
 mod occlusion;
 
+use crate::convex::{range, split};
 use crate::enclosure::Enclosure;
 use crate::facets::{Bounds, Facet, Facets, Node};
 use crate::kernels::areas::{ORDERS, Orders, Separation, areas};
 use crate::kernels::contour::{contour, is_closed_form};
-use crate::kernels::nusselt::{covered, nusselt};
+use crate::kernels::nusselt::nusselt;
 use crate::quadrature::PlaneRule;
 use crate::visibility::fragments::Fragments;
 use crate::visibility::hidden::{End, Hidden};
@@ -141,8 +142,7 @@ pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) ->
             let mut task = Task::new(&scene, leaf, scratch);
             task.walk_all(control)?;
             task.tally.rays = std::mem::take(&mut task.scratch.rays.cast);
-            let pairs: usize = rows.clone().map(|i| n - 1 - i).sum();
-            control.advance(pairs as u64);
+            control.advance(task.values.len() as u64);
             // Packed while it is at hand, which is soonest, and so that sparse rows never take dense memory at once.
             let block = Block::new(n, rows, &task.values, precision);
             let tally = task.tally;
@@ -177,9 +177,11 @@ struct Scratch {
     hidden: Hidden,
     rays: Rays,
     fragments: Fragments,
-    /// Polygons cut at horizons.
+    /// Polygons cut at horizons, and what is cut off.
     first: Vec<DVec3>,
     second: Vec<DVec3>,
+    behind: Vec<DVec3>,
+    heights: Vec<f64>,
     /// Pairs of one facet that Gauss points serve, and their exchange.
     batch: Vec<(u32, u8)>,
     exchange: Vec<f64>,
@@ -315,10 +317,8 @@ impl<'a> Task<'a> {
 
     /// The order that serves all pairs with a leaf which is wholly in front and they of it, if one does.
     fn order_for_all(&self, target: &Node, here: &[(f64, f64)], there: &[(f64, f64)]) -> Option<usize> {
-        let range = |heights: &[(f64, f64)]| {
-            heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x.0), h.max(x.1)))
-        };
-        let (here, there) = (range(here), range(there));
+        let all = |heights: &[(f64, f64)]| range(heights.iter().flat_map(|&(low, high)| [low, high]));
+        let (here, there) = (all(here), all(there));
         let in_front = here.0 >= 0.0 && there.0 >= 0.0;
         if !(in_front && matches!(self.scene.settings.kernel, Kernel::Auto)) {
             return None;
@@ -366,8 +366,7 @@ impl<'a> Task<'a> {
     fn across(&mut self, i: usize, j: usize, candidates: &[u32]) {
         let (a, b) = (&self.scene.facets.list[i], &self.scene.facets.list[j]);
         let side = |plane: &Facet, of: &Facet| {
-            let heights = of.corners().iter().map(|&c| plane.height(c));
-            let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let (low, high) = range(of.corners().iter().map(|&c| plane.height(c)));
             self.judge(low, high)
         };
         match (side(a, b), side(b, a)) {
@@ -407,8 +406,11 @@ impl<'a> Task<'a> {
         let (a, b) = (&self.scene.facets.list[i], &self.scene.facets.list[j]);
         let (mut first, mut second) =
             (std::mem::take(&mut self.scratch.first), std::mem::take(&mut self.scratch.second));
-        cut_behind(a.corners(), b, &mut first);
-        cut_behind(b.corners(), a, &mut second);
+        for (of, plane, front) in [(a, b, &mut first), (b, a, &mut second)] {
+            self.scratch.heights.clear();
+            self.scratch.heights.extend(of.corners().iter().map(|&c| plane.height(c)));
+            split(of.corners(), &self.scratch.heights, front, &mut self.scratch.behind);
+        }
         if first.len() >= 3 && second.len() >= 3 {
             let (first, second) = (End { facet: a, polygon: &first }, End { facet: b, polygon: &second });
             self.measure(i, j, first, second, candidates);
@@ -510,12 +512,6 @@ impl<'a> Task<'a> {
         let mut from = |source: End, target: End| {
             let normal = source.facet.normal;
             nusselt(source.polygon, rule, |x| {
-                if blockers.is_empty() {
-                    let mut relative = [DVec3::ZERO; 8];
-                    let corners = &mut relative[..target.polygon.len()];
-                    corners.iter_mut().zip(target.polygon).for_each(|(r, c)| *r = *c - x);
-                    return covered(normal, corners);
-                }
                 let between = blockers.iter().map(|&k| &list[k as usize]);
                 fragments.visible(x, normal, target.polygon, between, *contact)
             })
@@ -584,21 +580,6 @@ impl Extent {
         }
         let centre = end.polygon.iter().sum::<DVec3>() / end.polygon.len() as f64;
         Self { centre, radius: end.polygon.iter().map(|c| c.distance(centre)).fold(0.0, f64::max) }
-    }
-}
-
-/// The part of a polygon in front of a facet's plane.
-fn cut_behind(polygon: &[DVec3], plane: &Facet, front: &mut Vec<DVec3>) {
-    front.clear();
-    for k in 0..polygon.len() {
-        let (v, w) = (polygon[k], polygon[(k + 1) % polygon.len()]);
-        let (h, g) = (plane.height(v), plane.height(w));
-        if h >= 0.0 {
-            front.push(v);
-        }
-        if h * g < 0.0 {
-            front.push(v + h / (h - g) * (w - v));
-        }
     }
 }
 

@@ -5,6 +5,7 @@
 //! judged anew, with what stands between it and the other. Parts that could not matter are left at half hidden.
 
 use super::{FEW_RAYS_ERROR, Kernel, Scene, Task};
+use crate::convex::quarters;
 use crate::visibility::hidden::{End, Estimate};
 use crate::visibility::rays::{Pair, Rays};
 use crate::visibility::shaft::Sight;
@@ -143,10 +144,7 @@ fn size(polygon: &[DVec3]) -> f64 {
 /// A convex polygon in four: at the middles of its edges, or from corner to corner where it has more than four.
 fn parts(polygon: &[DVec3]) -> Vec<Vec<DVec3>> {
     match polygon {
-        [a, b, c] => {
-            let (ab, bc, ca) = (0.5 * (*a + *b), 0.5 * (*b + *c), 0.5 * (*c + *a));
-            vec![vec![*a, ab, ca], vec![ab, *b, bc], vec![ca, bc, *c], vec![ab, bc, ca]]
-        }
+        [a, b, c] => quarters(&[*a, *b, *c]).map(|triangle| triangle.to_vec()).to_vec(),
         [a, b, c, d] => {
             let (ab, bc, cd, da) = (0.5 * (*a + *b), 0.5 * (*b + *c), 0.5 * (*c + *d), 0.5 * (*d + *a));
             // On both lines between opposite middles, so that the parts are planar and tile.

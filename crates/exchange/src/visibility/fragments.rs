@@ -5,6 +5,7 @@
 //! sorting*, in object space). All corners are kept relative to the point, so that cutting planes pass through zero.
 
 use super::blockers::Blocker;
+use crate::convex::split;
 use crate::kernels::point_to_polygon::solid_cosine;
 use glam::DVec3;
 
@@ -171,26 +172,7 @@ impl Fragments {
         } else if !above {
             std::mem::swap(&mut self.rest, &mut self.inside);
         } else {
-            self.split();
-        }
-    }
-
-    fn split(&mut self) {
-        let n = self.inside.len();
-        for k in 0..n {
-            let next = if k + 1 == n { 0 } else { k + 1 };
-            let (v, w, h, g) = (self.inside[k], self.inside[next], self.heights[k], self.heights[next]);
-            if h >= 0.0 {
-                self.part.push(v);
-            }
-            if h <= 0.0 {
-                self.rest.push(v);
-            }
-            if h * g < 0.0 {
-                let crossing = v + h / (h - g) * (w - v);
-                self.part.push(crossing);
-                self.rest.push(crossing);
-            }
+            split(&self.inside, &self.heights, &mut self.part, &mut self.rest);
         }
     }
 }

@@ -15,6 +15,7 @@
 
 use super::blockers::{Blocker, vector_area};
 use super::fragments::Fragments;
+use crate::convex::{quarters, range, split};
 use crate::facets::{Bounds, Facet};
 use glam::DVec3;
 use std::cmp::Ordering;
@@ -282,12 +283,6 @@ fn area_of([a, b, c]: &[DVec3; 3]) -> f64 {
     0.5 * (*b - *a).cross(*c - *a).length()
 }
 
-/// A triangle cut at the middles of its edges.
-fn quarters([a, b, c]: &[DVec3; 3]) -> [[DVec3; 3]; 4] {
-    let (ab, bc, ca) = (0.5 * (*a + *b), 0.5 * (*b + *c), 0.5 * (*c + *a));
-    [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]]
-}
-
 /// What all points of a cell say.
 #[derive(Clone, Copy, PartialEq)]
 enum Uniform {
@@ -358,19 +353,14 @@ fn feet(end: &End, blockers: &[Blocker], candidates: &[u32], contact: f64) -> Ve
         let (p, q) = (far(points.first()?)?, far(&far(points.first()?)?)?);
         (p.distance(q) > contact).then_some([p, q])
     };
-    candidates.iter().filter_map(|&k| on(&blockers[k as usize])).filter(|s| runs_inside(end, s, contact)).collect()
-}
-
-/// Whether a segment runs through the inside of an end, and not along its outline.
-fn runs_inside(end: &End, segment: &[DVec3; 2], contact: f64) -> bool {
-    splits(end.polygon, end.facet.normal, segment, contact)
+    let divides = |segment: &[DVec3; 2]| splits(end.polygon, end.facet.normal, segment, contact);
+    candidates.iter().filter_map(|&k| on(&blockers[k as usize])).filter(divides).collect()
 }
 
 /// Whether a segment in the plane of a convex polygon divides it, at least in part.
 fn splits(polygon: &[DVec3], normal: DVec3, [p, q]: &[DVec3; 2], contact: f64) -> bool {
     let across = normal.cross(*q - *p).normalize_or_zero();
-    let sides = polygon.iter().map(|c| across.dot(*c - *p));
-    let (low, high) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
+    let (low, high) = range(polygon.iter().map(|c| across.dot(*c - *p)));
     if low >= -contact || high <= contact {
         return false;
     }
@@ -418,21 +408,8 @@ fn cut_at(end: End, feet: &[[DVec3; 2]], contact: f64) -> Vec<Vec<DVec3>> {
 /// The two parts of a convex polygon on either side of a line in its plane.
 fn halves(polygon: &[DVec3], normal: DVec3, [p, q]: &[DVec3; 2]) -> Vec<Vec<DVec3>> {
     let across = normal.cross(*q - *p);
+    let heights: Vec<f64> = polygon.iter().map(|c| across.dot(*c - *p)).collect();
     let (mut left, mut right) = (Vec::new(), Vec::new());
-    for k in 0..polygon.len() {
-        let (v, w) = (polygon[k], polygon[(k + 1) % polygon.len()]);
-        let (h, g) = (across.dot(v - *p), across.dot(w - *p));
-        if h >= 0.0 {
-            left.push(v);
-        }
-        if h <= 0.0 {
-            right.push(v);
-        }
-        if h * g < 0.0 {
-            let crossing = v + h / (h - g) * (w - v);
-            left.push(crossing);
-            right.push(crossing);
-        }
-    }
+    split(polygon, &heights, &mut left, &mut right);
     vec![left, right]
 }

@@ -2,6 +2,7 @@
 //! ray-cast radiosity*).
 
 use super::blockers::Blocker;
+use crate::convex::range;
 use crate::facets::{Bounds, Facet};
 use glam::DVec3;
 
@@ -141,12 +142,7 @@ fn supporting(a: DVec3, b: DVec3, c: DVec3, polygon: &[DVec3], other: &[DVec3]) 
 
 /// Whether every line from corner to corner passes through the blocker: then every line between the polygons does.
 fn hides(blocker: &Blocker, first: &[DVec3], second: &[DVec3]) -> bool {
-    let heights = |polygon: &[DVec3]| {
-        polygon.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
-            let h = blocker.height(p);
-            (low.min(h), high.max(h))
-        })
-    };
+    let heights = |polygon: &[DVec3]| range(polygon.iter().map(|&p| blocker.height(p)));
     let (a, b) = (heights(first), heights(second));
     let apart = (a.0 > 0.0 && b.1 < 0.0) || (b.0 > 0.0 && a.1 < 0.0);
     apart && first.iter().all(|&x| second.iter().all(|&y| passes(blocker, x, y)))
