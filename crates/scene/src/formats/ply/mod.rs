@@ -18,15 +18,6 @@ use super::mesh::{self, Polygons, is_coordinate};
 use super::names::Roll;
 use crate::model::{Finding, Scene, SceneError, Surface, band_names};
 
-/// Reads a `.ply` file.
-///
-/// # Errors
-/// If the file is missing or damaged, or holds no faces.
-pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene, SceneError> {
-    let path = path.as_ref();
-    parse(path, &super::read(path)?, options)
-}
-
 /// Reads the bytes of a file; its path serves messages and names the surface.
 pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, SceneError> {
     let file = path.display().to_string();

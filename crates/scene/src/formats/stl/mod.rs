@@ -16,15 +16,6 @@ use super::mesh::{self, Polygons, Vertices};
 use super::names::{Roll, UniqueNames};
 use crate::model::{Finding, Scene, SceneError, Surface, band_names};
 
-/// Reads an `.stl` file.
-///
-/// # Errors
-/// If the file is missing or damaged, or holds no triangles.
-pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene, SceneError> {
-    let path = path.as_ref();
-    parse(path, &super::read(path)?, options)
-}
-
 /// Reads the bytes of a file; its path serves messages and names a surface without a name.
 pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, SceneError> {
     let file = path.display().to_string();

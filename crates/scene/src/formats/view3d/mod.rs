@@ -38,15 +38,6 @@ const MOST_IN_ONE: usize = 2000;
 /// The least emissivity, which View3D takes as well; a surface with none would keep light forever.
 const LEAST_EMISSIVITY: f64 = 0.001;
 
-/// Reads a `.vs3` file.
-///
-/// # Errors
-/// If the file is missing or damaged, holds no surfaces, or asks for what is not modelled.
-pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene, SceneError> {
-    let path = path.as_ref();
-    parse(path, &super::read(path)?, options)
-}
-
 /// Reads the bytes of a file; its path serves messages.
 pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
