@@ -5,6 +5,7 @@
 
 use crate::enclosure::Enclosure;
 use glam::DVec3;
+use std::ops::Range;
 
 /// One side.
 #[derive(Clone, Debug)]
@@ -110,7 +111,7 @@ impl Bounds {
 #[derive(Clone, Debug)]
 pub struct Node {
     /// The first facet and the one after the last.
-    pub range: std::ops::Range<usize>,
+    pub range: Range<usize>,
     /// Around all their corners.
     pub bounds: Bounds,
     /// The least and the greatest radius among them.
@@ -132,12 +133,23 @@ pub struct Facets {
 /// Facets in a leaf: a run this long is worth one judgement.
 const LEAF: usize = 16;
 
-/// How much of the scene's size a turn of the normal by a right angle counts when facets are grouped.
-const NORMAL_WEIGHT: f64 = 1.0;
+/// What counts as near when facets are grouped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Grouping {
+    /// A turn of the normal by a right angle counts so much of the scene's size: groups face alike.
+    Facing(f64),
+    /// It counts so much of the group's own size: groups are compact, and face alike where directions part sharply.
+    Compact(f64),
+}
+
+impl Grouping {
+    /// What serves all pairs of facets.
+    pub const OF_PAIRS: Self = Self::Facing(1.0);
+}
 
 impl Facets {
     /// Takes the sides of an enclosure.
-    pub fn new(enclosure: &Enclosure) -> Self {
+    pub fn new(enclosure: &Enclosure, grouping: Grouping) -> Self {
         let sides = (0..enclosure.sides()).filter(|&side| enclosure.area(side) > 0.0);
         let mut list: Vec<Facet> = sides.map(|side| Facet::new(enclosure, side)).collect();
         let patches = enclosure.patches();
@@ -145,7 +157,7 @@ impl Facets {
         let extent = if list.is_empty() { 0.0 } else { (all.high - all.low).max_element() };
         let mut nodes = Vec::new();
         if !list.is_empty() {
-            divide(&mut list, 0, NORMAL_WEIGHT * extent, &mut nodes);
+            divide(&mut list, 0, grouping, extent, &mut nodes);
         }
         Self { list, nodes, extent }
     }
@@ -157,30 +169,37 @@ impl Facets {
 }
 
 /// Adds the node over a run that starts at `first`, and all below it; returns its number.
-fn divide(run: &mut [Facet], first: usize, turn: f64, nodes: &mut Vec<Node>) -> usize {
+fn divide(run: &mut [Facet], first: usize, grouping: Grouping, extent: f64, nodes: &mut Vec<Node>) -> usize {
     let number = nodes.len();
     let bounds = Bounds::of(run.iter().flat_map(|f| f.corners().to_vec()));
     let radii = run.iter().fold((f64::INFINITY, 0.0f64), |(l, h), f| (l.min(f.radius), h.max(f.radius)));
     nodes.push(Node { range: first..first + run.len(), bounds, radii, children: None });
     if run.len() > LEAF {
         // Along whichever of six coordinates, three of place and three of direction, the run is longest.
-        let coordinate = |f: &Facet, k: usize| if k < 3 { f.centre[k] } else { turn * f.normal[k - 3] };
-        let spread = |k: usize| {
-            let (low, high) = run.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), f| {
-                (low.min(coordinate(f, k)), high.max(coordinate(f, k)))
-            });
-            high - low
+        let coordinate = |f: &Facet, k: usize| if k < 3 { f.centre[k] } else { f.normal[k - 3] };
+        let (mut low, mut high) = ([f64::INFINITY; 6], [f64::NEG_INFINITY; 6]);
+        for f in run.iter() {
+            for k in 0..6 {
+                (low[k], high[k]) = (low[k].min(coordinate(f, k)), high[k].max(coordinate(f, k)));
+            }
+        }
+        let longest = |range: Range<usize>| {
+            range.map(|k| (k, high[k] - low[k])).fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best })
         };
-        let widths: Vec<f64> = (0..6).map(spread).collect();
-        let axis = (0..6).fold(0, |best, k| if widths[k] > widths[best] { k } else { best });
+        let (place, direction) = (longest(0..3), longest(3..6));
+        let turn = match grouping {
+            Grouping::Facing(weight) => weight * extent,
+            Grouping::Compact(weight) => weight * place.1,
+        };
+        let axis = if turn * direction.1 > place.1 { direction.0 } else { place.0 };
         let order =
             |a: &Facet, b: &Facet| coordinate(a, axis).total_cmp(&coordinate(b, axis)).then(a.side.cmp(&b.side));
         // A multiple of the leaf's size on the left leaves full leaves.
         let middle = (run.len() / 2).next_multiple_of(LEAF).min(run.len() - 1);
         run.select_nth_unstable_by(middle, order);
         let (left, right) = run.split_at_mut(middle);
-        let left_number = divide(left, first, turn, nodes);
-        let right_number = divide(right, first + middle, turn, nodes);
+        let left_number = divide(left, first, grouping, extent, nodes);
+        let right_number = divide(right, first + middle, grouping, extent, nodes);
         nodes[number].children = Some([left_number, right_number]);
     }
     number
@@ -196,7 +215,7 @@ mod tests {
         let square = |z: f64| [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(x, y)| DVec3::new(x, y, z));
         let n = 100;
         let patches = Patches::new((0..n).map(|k| square(k as f64)).collect(), vec![0; n], vec![0; n], vec![true; n]);
-        let facets = Facets::new(&Enclosure::new(patches));
+        let facets = Facets::new(&Enclosure::new(patches), Grouping::OF_PAIRS);
         let mut next = 0;
         for leaf in facets.leaves() {
             assert_eq!(facets.nodes[leaf].range.start, next);

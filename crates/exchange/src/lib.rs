@@ -5,6 +5,7 @@ pub mod elements;
 pub mod enclosure;
 pub mod facets;
 pub mod factors;
+pub mod hierarchy;
 pub mod kernels;
 pub mod luminaires;
 pub mod operator;

@@ -4,11 +4,13 @@ pub mod conformance;
 pub mod control;
 pub mod csr;
 pub mod dense;
+pub mod hierarchical;
 pub mod symmetric;
 
 pub use control::{Cancelled, Control};
 pub use csr::Csr;
 pub use dense::Dense;
+pub use hierarchical::{Hierarchical, Part};
 pub use symmetric::{Block, Precision, Symmetric};
 
 /// A symmetric linear operator on vectors with one entry per element, applied to many columns at once.

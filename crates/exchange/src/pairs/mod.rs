@@ -14,10 +14,11 @@
 
 mod nodes;
 mod occlusion;
+mod selection;
 
 use crate::convex::{range, split};
 use crate::enclosure::Enclosure;
-use crate::facets::{Bounds, Facet, Facets, Node};
+use crate::facets::{Bounds, Facet, Facets, Grouping, Node};
 use crate::kernels::areas::{ORDERS, Orders, Separation, areas};
 use crate::kernels::contour::{contour, is_closed_form};
 use crate::kernels::nusselt::nusselt;
@@ -32,6 +33,7 @@ use nodes::Nodes;
 use occlusion::Ends;
 use radiosity_operator::{Block, Cancelled, Control, Precision, Symmetric};
 use rayon::prelude::*;
+pub(crate) use selection::Selection;
 
 /// The method for what two facets exchange unoccluded.
 #[derive(Clone, Debug)]
@@ -91,7 +93,8 @@ impl Tally {
         }
     }
 
-    fn plus(self, other: Self) -> Self {
+    /// Both together.
+    pub fn plus(self, other: Self) -> Self {
         Self {
             full: self.full + other.full,
             partial: self.partial + other.partial,
@@ -115,23 +118,13 @@ pub fn forecast(sides: usize) -> u64 {
 
 /// The exchange of all pairs, by the numbers of the sides.
 pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) -> Result<(Symmetric, Tally), Cancelled> {
-    let facets = Facets::new(enclosure);
+    let facets = Facets::new(enclosure, Grouping::OF_PAIRS);
     let n = facets.list.len();
     let blockers = Blockers::new(enclosure, facets.extent);
-    let is_auto = matches!(settings.kernel, Kernel::Auto);
-    let when = |needed: bool| if needed { facets.list.as_slice() } else { &[] };
-    let scene = Scene {
-        enclosure,
-        nodes: Nodes::new(when(is_auto)),
-        points: Points::new(enclosure, when(is_auto && !blockers.list.is_empty()), settings.seed),
-        blockers,
-        orders: Orders::new(0.5 * settings.tolerance),
-        facets,
-        settings,
-    };
+    let scene = Scene::new(enclosure, facets, &blockers, settings);
     control.expect((n * n.saturating_sub(1) / 2) as u64);
     let leaves: Vec<usize> = scene.facets.leaves().collect();
-    let is_rough = is_auto && settings.tolerance >= SINGLE_ABOVE;
+    let is_rough = matches!(settings.kernel, Kernel::Auto) && settings.tolerance >= SINGLE_ABOVE;
     let precision = if is_rough { Precision::Single } else { Precision::Double };
     let measured: Vec<_> = leaves
         .into_par_iter()
@@ -160,16 +153,32 @@ pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) ->
 struct Scene<'a> {
     enclosure: &'a Enclosure,
     facets: Facets,
-    blockers: Blockers,
+    blockers: &'a Blockers,
     nodes: Nodes,
     points: Points,
     orders: Orders,
     settings: &'a Settings,
 }
 
+impl<'a> Scene<'a> {
+    fn new(enclosure: &'a Enclosure, facets: Facets, blockers: &'a Blockers, settings: &'a Settings) -> Self {
+        let is_auto = matches!(settings.kernel, Kernel::Auto);
+        let when = |needed: bool| if needed { facets.list.as_slice() } else { &[] };
+        Self {
+            enclosure,
+            nodes: Nodes::new(when(is_auto)),
+            points: Points::new(enclosure, when(is_auto && !blockers.list.is_empty()), settings.seed),
+            blockers,
+            orders: Orders::new(0.5 * settings.tolerance),
+            facets,
+            settings,
+        }
+    }
+}
+
 /// Buffers of a worker.
 #[derive(Default)]
-struct Scratch {
+pub(crate) struct Scratch {
     /// What a leaf exchanges, when no leaf is at hand.
     values: Vec<f64>,
     /// Lists of blockers that are not in use.
@@ -431,7 +440,7 @@ impl<'a> Task<'a> {
 
     /// What is between of all that may be.
     fn between(&self, first: End, second: End, candidates: &[u32], kept: &mut Vec<u32>) -> Sight {
-        let Blockers { list, contact } = &self.scene.blockers;
+        let Blockers { list, contact, .. } = self.scene.blockers;
         between(list, candidates, (first.facet, first.polygon), (second.facet, second.polygon), *contact, kept)
     }
 
@@ -507,7 +516,7 @@ impl<'a> Task<'a> {
 
     /// The mean of what both ends of a pair measure by Nusselt's analog.
     fn mean_of_ends(&mut self, first: End, second: End, rule: &PlaneRule, blockers: &[u32]) -> f64 {
-        let Blockers { list, contact } = &self.scene.blockers;
+        let Blockers { list, contact, .. } = self.scene.blockers;
         let fragments = &mut self.scratch.fragments;
         let mut from = |source: End, target: End| {
             let normal = source.facet.normal;

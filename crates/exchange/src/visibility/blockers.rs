@@ -1,11 +1,14 @@
 //! The polygons that could block anything.
 
+use super::shaft::Shaft;
+use crate::convex::range;
 use crate::enclosure::Enclosure;
 use crate::facets::Bounds;
 use glam::DVec3;
 use radiosity_geometry::Patches;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// An opaque convex polygon.
 #[derive(Clone, Debug)]
@@ -49,11 +52,24 @@ pub const CONTACT: f64 = 2e-7;
 
 /// All that could block.
 pub struct Blockers {
-    /// In no particular order, but always the same.
+    /// In the order of a tree.
     pub list: Vec<Blocker>,
+    /// Runs of the list and boxes around them.
+    nodes: Vec<Run>,
     /// What rises less than this above a plane lies in it, metres.
     pub contact: f64,
 }
+
+/// Blockers that lie together.
+struct Run {
+    range: Range<usize>,
+    bounds: Bounds,
+    /// Where the second half is, the first being the next; none of a leaf.
+    second: Option<usize>,
+}
+
+/// Blockers in a leaf.
+const LEAF: usize = 4;
 
 impl Blockers {
     /// Patches that tile a flat convex face count as that face: a wall of a thousand patches is one blocker. What has
@@ -62,18 +78,90 @@ impl Blockers {
         let patches = enclosure.patches();
         let mut all = faces(patches);
         all.extend(patches.obstructions.iter().filter_map(|polygon| Blocker::new(ring(polygon))));
-        let contact = CONTACT * extent;
-        let corners: Vec<DVec3> = all.iter().flat_map(|b| b.corners.iter().copied()).collect();
-        let splits = |b: &Blocker| {
-            let (mut front, mut back) = (false, false);
-            corners.iter().any(|&c| {
-                let h = b.height(c);
-                front |= h > contact;
-                back |= h < -contact;
-                front && back
-            })
+        let whole = Self::of(all, CONTACT * extent);
+        let splits = |b: &Blocker| whole.reaches(b, 1.0) && whole.reaches(b, -1.0);
+        let dividing = whole.list.par_iter().filter(|b| splits(b)).cloned().collect();
+        Self::of(dividing, whole.contact)
+    }
+
+    fn of(mut list: Vec<Blocker>, contact: f64) -> Self {
+        let mut nodes = Vec::new();
+        if !list.is_empty() {
+            divide(&mut list, 0, &mut nodes);
+        }
+        Self { list, nodes, contact }
+    }
+
+    /// Whether any corner rises in front of a blocker's plane, or behind it where `sign` is -1.
+    fn reaches(&self, blocker: &Blocker, sign: f64) -> bool {
+        let (normal, least) = (sign * blocker.normal, sign * blocker.offset + self.contact);
+        !self.walk(
+            |bounds| bounds.extent_along(normal).1 > least,
+            |other| !other.corners.iter().any(|&c| normal.dot(c) > least),
+        )
+    }
+
+    /// Whether nothing may stand between two boxes.
+    pub fn leave_free(&self, shaft: &Shaft) -> bool {
+        self.walk(|bounds| shaft.meets(bounds), |blocker| !shaft.admits(blocker))
+    }
+
+    /// Adds the numbers of what may stand between two boxes.
+    pub fn find(&self, shaft: &Shaft, found: &mut Vec<u32>) {
+        let mut visit = |run: &Run| {
+            found.extend(run.range.clone().filter(|&k| shaft.admits(&self.list[k])).map(|k| k as u32));
+            true
         };
-        Self { list: all.into_par_iter().filter(|b| splits(b)).collect(), contact }
+        self.walk_runs(|bounds| shaft.meets(bounds), &mut visit);
+    }
+
+    /// Visits blockers where `enter` lets it, as long as `go_on` does; whether it came to the end.
+    fn walk(&self, enter: impl Fn(&Bounds) -> bool, go_on: impl Fn(&Blocker) -> bool) -> bool {
+        self.walk_runs(enter, &mut |run| self.list[run.range.clone()].iter().all(&go_on))
+    }
+
+    fn walk_runs(&self, enter: impl Fn(&Bounds) -> bool, go_on: &mut impl FnMut(&Run) -> bool) -> bool {
+        let mut stack = [0usize; 64];
+        let mut open = usize::from(!self.nodes.is_empty());
+        while open > 0 {
+            open -= 1;
+            let number = stack[open];
+            let run = &self.nodes[number];
+            if !enter(&run.bounds) {
+                continue;
+            }
+            match run.second {
+                Some(second) => {
+                    stack[open] = second;
+                    stack[open + 1] = number + 1;
+                    open += 2;
+                }
+                None if !go_on(run) => return false,
+                None => {}
+            }
+        }
+        true
+    }
+}
+
+/// Adds the node over a run that starts at `first`, and all below it: halves by the middles of boxes.
+fn divide(run: &mut [Blocker], first: usize, nodes: &mut Vec<Run>) {
+    let number = nodes.len();
+    let bounds = run.iter().fold(Bounds::EMPTY, |all, b| all.union(b.bounds));
+    nodes.push(Run { range: first..first + run.len(), bounds, second: None });
+    if run.len() > LEAF {
+        let middle = |b: &Blocker, k: usize| b.bounds.low[k] + b.bounds.high[k];
+        let spread = |k: usize| {
+            let (low, high) = range(run.iter().map(|b| middle(b, k)));
+            high - low
+        };
+        let axis = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).expect("three axes");
+        let half = run.len() / 2;
+        run.select_nth_unstable_by(half, |a, b| middle(a, axis).total_cmp(&middle(b, axis)));
+        let (left, right) = run.split_at_mut(half);
+        divide(left, first, nodes);
+        nodes[number].second = Some(nodes.len());
+        divide(right, first + half, nodes);
     }
 }
 

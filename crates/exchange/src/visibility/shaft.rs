@@ -38,6 +38,12 @@ impl Shaft {
         Self { ends: [a, b], bounds: a.union(b), planes, contact }
     }
 
+    /// Whether a box has a point between the boxes, or may have.
+    pub fn meets(&self, bounds: &Bounds) -> bool {
+        self.bounds.meets(bounds)
+            && !self.planes.iter().any(|(normal, most)| bounds.extent_along(*normal).0 >= *most)
+    }
+
     /// Whether a blocker may stand between the boxes.
     pub fn admits(&self, blocker: &Blocker) -> bool {
         self.bounds.meets(&blocker.bounds)

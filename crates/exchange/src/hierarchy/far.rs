@@ -1,0 +1,246 @@
+//! Links: the exchange of two clusters as a block of rank one.
+
+use super::Settings;
+use super::clusters::{Clusters, POINTS};
+use crate::enclosure::Enclosure;
+use radiosity_geometry::bvh::Ray;
+use std::f64::consts::FRAC_1_PI;
+use std::ops::Range;
+
+/// Facets of the other end that unoccluded sums are taken over, at most: the kernel is smooth between distant clusters.
+const MOST_SUMMED: usize = 64;
+
+/// Rays of a link at least.
+const LEAST_RAYS: usize = 16;
+
+/// Rays of a link at most, for each facet.
+const MOST_RAYS_A_FACET: usize = 256;
+
+/// One end of a link: facets, and what each exchanges with all of the other end, m2.
+#[derive(Default)]
+struct End {
+    range: Range<usize>,
+    sums: Vec<f64>,
+    /// Sums up to each facet, for drawing facets by them.
+    upto: Vec<f64>,
+    /// Rays of each facet, and those of them that arrived.
+    drawn: Vec<u32>,
+    seen: Vec<u32>,
+    weights: Vec<f32>,
+}
+
+/// Facets that stand for all of a cluster, coordinate by coordinate.
+#[derive(Default)]
+struct Sample([Vec<f64>; 7]);
+
+/// The link at hand, and buffers.
+#[derive(Default)]
+pub struct Far {
+    ends: [End; 2],
+    sample: Sample,
+    rays: Vec<Ray>,
+    facets: Vec<[u32; 2]>,
+    occluded: Vec<bool>,
+}
+
+impl Far {
+    /// Takes two clusters and finds what they exchange if nothing is between; false if nothing at all.
+    pub fn unoccluded(&mut self, clusters: &Clusters, rows: Range<usize>, columns: Range<usize>) -> bool {
+        for (end, range) in self.ends.iter_mut().zip([rows.clone(), columns.clone()]) {
+            end.range = range.clone();
+            end.sums.clear();
+            end.sums.resize(range.len(), 0.0);
+        }
+        for (k, other) in [columns, rows].into_iter().enumerate() {
+            self.sample.take(clusters, other);
+            let end = &mut self.ends[k];
+            for (i, sum) in end.range.clone().zip(&mut end.sums) {
+                *sum = self.sample.exchange(clusters.middles.each_ref().map(|m| m[i]));
+            }
+        }
+        self.ends.iter().all(|end| end.sums.iter().any(|s| *s > 0.0))
+    }
+
+    /// Takes off what rays find hidden; the number of rays.
+    pub fn occlude(
+        &mut self,
+        enclosure: &Enclosure,
+        clusters: &Clusters,
+        nodes: (usize, usize),
+        settings: &Settings,
+    ) -> usize {
+        let count = self.ray_count(clusters, settings.ray_share);
+        self.ends.iter_mut().for_each(End::prepare);
+        self.cast(enclosure, clusters, nodes, settings.seed, count);
+        for (facets, occluded) in self.facets.iter().zip(&self.occluded) {
+            for (end, &k) in self.ends.iter_mut().zip(facets) {
+                end.drawn[k as usize] += 1;
+                end.seen[k as usize] += u32::from(!occluded);
+            }
+        }
+        self.ends.iter_mut().for_each(End::attenuate);
+        count
+    }
+
+    /// As many rays as the form factors of either end have shares.
+    fn ray_count(&self, clusters: &Clusters, share: f64) -> usize {
+        let factors = |end: &End| {
+            end.sums.iter().zip(&clusters.middles[6][end.range.clone()]).map(|(s, area)| s / area).sum::<f64>()
+        };
+        let most = MOST_RAYS_A_FACET * self.ends.iter().map(|end| end.sums.len()).max().unwrap_or(0);
+        let wanted = self.ends.iter().map(factors).fold(0.0, f64::max) / share;
+        (wanted.ceil() as usize).clamp(LEAST_RAYS, most.max(LEAST_RAYS))
+    }
+
+    /// Draws pairs of facets in proportion to what they exchange, evenly on both ends, and a line for each.
+    fn cast(&mut self, enclosure: &Enclosure, clusters: &Clusters, nodes: (usize, usize), seed: u64, count: usize) {
+        self.rays.clear();
+        self.facets.clear();
+        let mut hash = mix(seed ^ ((nodes.0 as u64) << 32 | nodes.1 as u64));
+        let turn = (hash >> 11) as f64 / (1u64 << 53) as f64;
+        let [a, b] = &self.ends;
+        let mut i = 0;
+        for k in 0..count {
+            // Points of a lattice (Korobov; golden ratio), turned at random.
+            let p = (k as f64 + 0.5) / count as f64;
+            let q = (k as f64 * GOLDEN + turn).fract();
+            while i + 1 < a.upto.len() && a.upto[i] < p {
+                i += 1;
+            }
+            let j = b.upto.partition_point(|&u| u < q).min(b.upto.len() - 1);
+            hash = mix(hash);
+            let (s, t) = (hash as usize % POINTS, (hash >> 32) as usize % POINTS);
+            let (x, y) = (clusters.points[a.range.start + i][s], clusters.points[b.range.start + j][t]);
+            self.rays.push(enclosure.segment(x, y));
+            self.facets.push([i as u32, j as u32]);
+        }
+        self.occluded.clear();
+        self.occluded.resize(count, false);
+        enclosure.bvh().occlusions(&self.rays, &mut self.occluded);
+    }
+
+    /// Makes of both ends' sums the weights of the block; false if there is nothing in it.
+    pub fn balance(&mut self) -> bool {
+        let totals = self.ends.each_ref().map(|end| end.sums.iter().sum::<f64>());
+        let total = 0.5 * (totals[0] + totals[1]);
+        if !(totals[0] > 0.0 && totals[1] > 0.0) {
+            return false;
+        }
+        for (end, scale) in self.ends.iter_mut().zip([1.0, 1.0 / total]) {
+            end.weights.clear();
+            end.weights.extend(end.sums.iter().map(|s| (s * scale) as f32));
+        }
+        true
+    }
+
+    /// The weights of the rows.
+    pub fn rows(&self) -> &[f32] {
+        &self.ends[0].weights
+    }
+
+    /// The weights of the columns.
+    pub fn columns(&self) -> &[f32] {
+        &self.ends[1].weights
+    }
+}
+
+/// The fractional part of the golden ratio.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
+fn mix(mut z: u64) -> u64 {
+    z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+impl End {
+    fn prepare(&mut self) {
+        let total: f64 = self.sums.iter().sum();
+        let mut sum = 0.0;
+        self.upto.clear();
+        self.upto.extend(self.sums.iter().map(|s| {
+            sum += s / total;
+            sum
+        }));
+        for counts in [&mut self.drawn, &mut self.seen] {
+            counts.clear();
+            counts.resize(self.sums.len(), 0);
+        }
+    }
+
+    /// Leaves of each facet's sum what its rays saw; facets without a ray share those of their neighbours.
+    fn attenuate(&mut self) {
+        let n = self.sums.len();
+        let mut start = 0;
+        let mut before = 1.0;
+        while start < n {
+            let (mut end, mut drawn, mut seen) = (start, 0, 0);
+            while end < n && drawn == 0 {
+                drawn += self.drawn[end];
+                seen += self.seen[end];
+                end += 1;
+            }
+            let share = if drawn > 0 { f64::from(seen) / f64::from(drawn) } else { before };
+            self.sums[start..end].iter_mut().for_each(|s| *s *= share);
+            (start, before) = (end, share);
+        }
+    }
+}
+
+impl Sample {
+    /// Every so many-th facet of a range, with the area of all.
+    fn take(&mut self, clusters: &Clusters, range: Range<usize>) {
+        let step = range.len().div_ceil(MOST_SUMMED);
+        for (to, from) in self.0.iter_mut().zip(&clusters.middles) {
+            to.clear();
+            to.extend(from[range.clone()].iter().skip(step / 2).step_by(step));
+        }
+        let areas = &clusters.middles[6][range];
+        let scale = areas.iter().sum::<f64>() / self.0[6].iter().sum::<f64>();
+        self.0[6].iter_mut().for_each(|a| *a *= scale);
+    }
+
+    /// What a facet exchanges with the sample, m2.
+    fn exchange(&self, facet: [f64; 7]) -> f64 {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has what the function needs.
+            return unsafe { self.exchange_avx2(facet) };
+        }
+        self.exchange_plain(facet)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn exchange_avx2(&self, facet: [f64; 7]) -> f64 {
+        self.exchange_plain(facet)
+    }
+
+    /// From middle to middle. The same bits with every instruction set: nothing is fused.
+    #[inline(always)]
+    fn exchange_plain(&self, [x, y, z, n, m, l, area]: [f64; 7]) -> f64 {
+        const LANES: usize = 4;
+        let mut sums = [0.0; LANES];
+        let term = |k: usize| {
+            let s = self.0.each_ref().map(|v| v[k]);
+            let (rx, ry, rz) = (s[0] - x, s[1] - y, s[2] - z);
+            let r2 = rx * rx + ry * ry + rz * rz;
+            let here = (n * rx + m * ry + l * rz).max(0.0);
+            let there = (-(s[3] * rx + s[4] * ry + s[5] * rz)).max(0.0);
+            s[6] * (here * there) / (r2 * r2)
+        };
+        let count = self.0[0].len();
+        let whole = count - count % LANES;
+        for k in (0..whole).step_by(LANES) {
+            for lane in 0..LANES {
+                sums[lane] += term(k + lane);
+            }
+        }
+        for k in whole..count {
+            sums[0] += term(k);
+        }
+        area * FRAC_1_PI * (sums[0] + sums[1] + sums[2] + sums[3])
+    }
+}

@@ -1,0 +1,170 @@
+//! The exchange of a great many facets, in blocks.
+//!
+//! A tree groups facets that lie and face alike ([`clusters`]). Pairs of clusters are walked down from the root with
+//! itself ([`plan`]):
+//!
+//! - clusters that lie behind each other do not exchange;
+//! - clusters well apart for their size become one **link**, a block of rank one ([`far`]): what each facet of one
+//!   exchanges with all of the other, and the same the other way round. If nothing stands between that is geometry
+//!   alone; if something may, rays tell how much of it each facet sees;
+//! - what is left are pairs of leaves that are near each other, measured pair by pair ([`crate::pairs`]).
+//!
+//! The block of a link is the outer product of its own row and column sums over their total, the one that assumes
+//! nothing beyond them. So a facet in a pit is dark although its neighbours see far, which one visibility for a whole
+//! link, as of Hanrahan, Salzman and Aupperle (1991) and Sillion (1995), would miss; and unlike blocks compressed after
+//! the fact (Potter et al. 2022, *J. Comput. Phys.: X*) no entry of it is ever computed. Light that is even across
+//! each end of a link is exchanged without error but for that of the rays.
+
+mod clusters;
+mod far;
+mod plan;
+
+use crate::enclosure::Enclosure;
+use crate::facets::Node;
+use crate::pairs::{self, Kernel, Scratch, Selection};
+use crate::visibility::{Blockers, Shaft};
+use clusters::Clusters;
+use far::Far;
+use plan::{Relation, Task, plan};
+use radiosity_operator::{Cancelled, Control, Hierarchical, Part};
+use rayon::prelude::*;
+
+/// What is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// The error allowed of a row's product with radiosities from 0 to 1, root mean square.
+    pub tolerance: f64,
+    /// Of rays.
+    pub seed: u64,
+    /// How near clusters may be for their size.
+    pub separation: f64,
+    /// The form factor that one ray of a link stands for.
+    pub ray_share: f64,
+}
+
+impl Settings {
+    /// What a tolerance needs.
+    pub fn new(tolerance: f64, seed: u64) -> Self {
+        Self { tolerance, seed, separation: 0.6, ray_share: (25.0 * tolerance * tolerance).clamp(1e-6, 1e-1) }
+    }
+}
+
+/// What was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Links in full view.
+    pub clear: u64,
+    /// Links with rays.
+    pub sampled: u64,
+    /// Their rays.
+    pub rays: u64,
+    /// Pairs of leaves measured entry by entry.
+    pub near_leaves: u64,
+    /// What these pairs took.
+    pub pairs: pairs::Tally,
+}
+
+impl Tally {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            clear: self.clear + other.clear,
+            sampled: self.sampled + other.sampled,
+            rays: self.rays + other.rays,
+            near_leaves: self.near_leaves + other.near_leaves,
+            pairs: self.pairs.plus(other.pairs),
+        }
+    }
+}
+
+/// The exchange of all sides, by their numbers.
+pub fn measure(
+    enclosure: &Enclosure,
+    settings: &Settings,
+    control: &Control,
+) -> Result<(Hierarchical, Tally), Cancelled> {
+    let clusters = Clusters::new(enclosure, settings.seed);
+    let blockers = Blockers::new(enclosure, clusters.facets.extent);
+    let scene = Scene {
+        near: pairs::Settings { kernel: Kernel::Auto, tolerance: settings.tolerance, seed: settings.seed },
+        tasks: plan(&clusters, settings.separation, blockers.contact),
+        enclosure,
+        clusters,
+        blockers,
+        settings,
+    };
+    control.expect(scene.tasks.len() as u64);
+    let parts: Vec<(Part, Tally)> = scene
+        .tasks
+        .par_iter()
+        .with_max_len(1)
+        .map_init(Default::default, |scratch: &mut (Far, Scratch), task| {
+            control.check()?;
+            let part = scene.part(task, scratch);
+            control.advance(1);
+            Ok(part)
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let tally = parts.iter().fold(Tally::default(), |sum, p| sum.plus(p.1));
+    let order = scene.clusters.facets.list.iter().map(|f| f.side).collect();
+    Ok((Hierarchical::new(enclosure.sides(), order, parts.into_iter().map(|p| p.0).collect()), tally))
+}
+
+/// What all tasks read.
+struct Scene<'a> {
+    enclosure: &'a Enclosure,
+    clusters: Clusters,
+    blockers: Blockers,
+    settings: &'a Settings,
+    near: pairs::Settings,
+    tasks: Vec<Task>,
+}
+
+impl Scene<'_> {
+    /// The blocks of one piece of work.
+    fn part(&self, task: &Task, (far, scratch): &mut (Far, Scratch)) -> (Part, Tally) {
+        let (mut part, mut tally) = (Part::default(), Tally::default());
+        let (mut near, mut open) = (Vec::new(), Vec::new());
+        for &pair in task {
+            open.push(pair);
+            while let Some((a, b)) = open.pop() {
+                match self.clusters.relation(a, b, self.settings.separation, self.blockers.contact) {
+                    Relation::None => {}
+                    Relation::Far => self.link(a, b, far, &mut part, &mut tally),
+                    Relation::Near => near.push((a, b)),
+                    Relation::Split(pairs) => open.extend(pairs.into_iter().flatten().rev()),
+                }
+            }
+        }
+        near.sort_unstable();
+        tally.near_leaves += near.len() as u64;
+        let selection = Selection {
+            enclosure: self.enclosure,
+            facets: &self.clusters.facets,
+            blockers: &self.blockers,
+            settings: &self.near,
+        };
+        let between = |a: &Node, b: &Node, found: &mut Vec<u32>| {
+            self.blockers.find(&Shaft::new(a.bounds, b.bounds, self.blockers.contact), found);
+        };
+        tally.pairs = selection.measure(&near, scratch, between, |i, entries| part.near(i, entries));
+        (part, tally)
+    }
+
+    fn link(&self, a: usize, b: usize, far: &mut Far, part: &mut Part, tally: &mut Tally) {
+        let nodes = &self.clusters.facets.nodes;
+        let (rows, columns) = (nodes[a].range.clone(), nodes[b].range.clone());
+        if !far.unoccluded(&self.clusters, rows.clone(), columns.clone()) {
+            return;
+        }
+        let shaft = Shaft::new(nodes[a].bounds, nodes[b].bounds, self.blockers.contact);
+        if self.blockers.leave_free(&shaft) {
+            tally.clear += 1;
+        } else {
+            tally.sampled += 1;
+            tally.rays += far.occlude(self.enclosure, &self.clusters, (a, b), self.settings) as u64;
+        }
+        if far.balance() {
+            part.link(rows, columns, far.rows(), far.columns());
+        }
+    }
+}
