@@ -1,6 +1,6 @@
 //! How long a hierarchical exchange takes, how large it is, and how wrong its products are.
 //!
-//!     cargo run --release -p radiosity-exchange --example hierarchy_speed SCENE N TOLERANCE [SEPARATION SHARE]
+//!     cargo run --release -p radiosity-exchange --example hierarchy_speed SCENE N TOLERANCE [SEPARATION SHARE NEAR]
 //!
 //! SCENE: cube, room, smooth, rough. Errors are those of products with radiosities from 0 to 1, root mean square over
 //! area: against all pairs where there are few, else against rows by rays.
@@ -15,7 +15,7 @@ use shapes::{cube, room, terrain};
 use std::time::Instant;
 
 /// More patches than these are compared by rows.
-const MOST_PAIRS: usize = 12_000;
+const MOST_PAIRS: usize = 2_000;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -34,6 +34,7 @@ fn main() {
     let mut settings = Settings::new(number(2).unwrap_or(1e-2), 0);
     settings.separation = number(3).unwrap_or(settings.separation);
     settings.ray_share = number(4).unwrap_or(settings.ray_share);
+    settings.near = number(5).unwrap_or(settings.near);
     let start = Instant::now();
     let (operator, tally) = hierarchy::measure(&enclosure, &settings, &Control::default()).expect("not cancelled");
     let seconds = start.elapsed().as_secs_f64();

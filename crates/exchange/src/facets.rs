@@ -130,8 +130,8 @@ pub struct Facets {
     pub extent: f64,
 }
 
-/// Facets in a leaf: a run this long is worth one judgement.
-const LEAF: usize = 16;
+/// Facets in a leaf where all pairs are measured: a run this long is worth one judgement.
+pub const LEAF: usize = 16;
 
 /// What counts as near when facets are grouped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,7 +149,7 @@ impl Grouping {
 
 impl Facets {
     /// Takes the sides of an enclosure.
-    pub fn new(enclosure: &Enclosure, grouping: Grouping) -> Self {
+    pub fn new(enclosure: &Enclosure, grouping: Grouping, leaf: usize) -> Self {
         let sides = (0..enclosure.sides()).filter(|&side| enclosure.area(side) > 0.0);
         let mut list: Vec<Facet> = sides.map(|side| Facet::new(enclosure, side)).collect();
         let patches = enclosure.patches();
@@ -157,7 +157,7 @@ impl Facets {
         let extent = if list.is_empty() { 0.0 } else { (all.high - all.low).max_element() };
         let mut nodes = Vec::new();
         if !list.is_empty() {
-            divide(&mut list, 0, grouping, extent, &mut nodes);
+            divide(&mut list, 0, (grouping, extent, leaf), &mut nodes);
         }
         Self { list, nodes, extent }
     }
@@ -169,12 +169,13 @@ impl Facets {
 }
 
 /// Adds the node over a run that starts at `first`, and all below it; returns its number.
-fn divide(run: &mut [Facet], first: usize, grouping: Grouping, extent: f64, nodes: &mut Vec<Node>) -> usize {
+fn divide(run: &mut [Facet], first: usize, how: (Grouping, f64, usize), nodes: &mut Vec<Node>) -> usize {
+    let (grouping, extent, leaf) = how;
     let number = nodes.len();
     let bounds = Bounds::of(run.iter().flat_map(|f| f.corners().to_vec()));
     let radii = run.iter().fold((f64::INFINITY, 0.0f64), |(l, h), f| (l.min(f.radius), h.max(f.radius)));
     nodes.push(Node { range: first..first + run.len(), bounds, radii, children: None });
-    if run.len() > LEAF {
+    if run.len() > leaf {
         // Along whichever of six coordinates, three of place and three of direction, the run is longest.
         let coordinate = |f: &Facet, k: usize| if k < 3 { f.centre[k] } else { f.normal[k - 3] };
         let (mut low, mut high) = ([f64::INFINITY; 6], [f64::NEG_INFINITY; 6]);
@@ -195,11 +196,11 @@ fn divide(run: &mut [Facet], first: usize, grouping: Grouping, extent: f64, node
         let order =
             |a: &Facet, b: &Facet| coordinate(a, axis).total_cmp(&coordinate(b, axis)).then(a.side.cmp(&b.side));
         // A multiple of the leaf's size on the left leaves full leaves.
-        let middle = (run.len() / 2).next_multiple_of(LEAF).min(run.len() - 1);
+        let middle = (run.len() / 2).next_multiple_of(leaf).min(run.len() - 1);
         run.select_nth_unstable_by(middle, order);
         let (left, right) = run.split_at_mut(middle);
-        let left_number = divide(left, first, grouping, extent, nodes);
-        let right_number = divide(right, first + middle, grouping, extent, nodes);
+        let left_number = divide(left, first, how, nodes);
+        let right_number = divide(right, first + middle, how, nodes);
         nodes[number].children = Some([left_number, right_number]);
     }
     number
@@ -215,7 +216,7 @@ mod tests {
         let square = |z: f64| [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(x, y)| DVec3::new(x, y, z));
         let n = 100;
         let patches = Patches::new((0..n).map(|k| square(k as f64)).collect(), vec![0; n], vec![0; n], vec![true; n]);
-        let facets = Facets::new(&Enclosure::new(patches), Grouping::OF_PAIRS);
+        let facets = Facets::new(&Enclosure::new(patches), Grouping::OF_PAIRS, LEAF);
         let mut next = 0;
         for leaf in facets.leaves() {
             assert_eq!(facets.nodes[leaf].range.start, next);

@@ -1,14 +1,19 @@
 //! Links: the exchange of two clusters as a block of rank one.
 
 use super::Settings;
-use super::clusters::{Clusters, POINTS};
+use super::clusters::Clusters;
 use crate::enclosure::Enclosure;
+use crate::facets::{Facet, Node};
+use glam::DVec3;
 use radiosity_geometry::bvh::Ray;
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
 /// Facets of the other end that unoccluded sums are taken over, at most: the kernel is smooth between distant clusters.
 const MOST_SUMMED: usize = 64;
+
+/// Facets whose radii are below this share of their distance are summed from middle to middle.
+const MIDDLES_BELOW: f64 = 0.1;
 
 /// Rays of a link at least.
 const LEAST_RAYS: usize = 16;
@@ -45,20 +50,32 @@ pub struct Far {
 
 impl Far {
     /// Takes two clusters and finds what they exchange if nothing is between; false if nothing at all.
-    pub fn unoccluded(&mut self, clusters: &Clusters, rows: Range<usize>, columns: Range<usize>) -> bool {
-        for (end, range) in self.ends.iter_mut().zip([rows.clone(), columns.clone()]) {
-            end.range = range.clone();
-            end.sums.clear();
-            end.sums.resize(range.len(), 0.0);
-        }
-        for (k, other) in [columns, rows].into_iter().enumerate() {
-            self.sample.take(clusters, other);
+    pub fn unoccluded(&mut self, clusters: &Clusters, a: &Node, b: &Node) -> bool {
+        let is_fine = self.needs_points(a, b);
+        for (k, (own, other)) in [(a, b), (b, a)].into_iter().enumerate() {
+            self.sample.take(clusters, other.range.clone(), is_fine);
             let end = &mut self.ends[k];
-            for (i, sum) in end.range.clone().zip(&mut end.sums) {
-                *sum = self.sample.exchange(clusters.middles.each_ref().map(|m| m[i]));
-            }
+            end.range = own.range.clone();
+            end.sums.clear();
+            let sample = &self.sample;
+            end.sums.extend(own.range.clone().map(|i| {
+                let [x, y, z, n, m, l, area] = clusters.middles.each_ref().map(|m| m[i]);
+                if !is_fine {
+                    return sample.exchange([x, y, z, n, m, l, area]);
+                }
+                let points = points(&clusters.facets.list[i]);
+                let share = area / points.len() as f64;
+                points.iter().map(|p| sample.exchange([p.x, p.y, p.z, n, m, l, share])).sum()
+            }));
         }
         self.ends.iter().all(|end| end.sums.iter().any(|s| *s > 0.0))
+    }
+
+    /// Whether facets are so near for their size that their middles do not tell enough.
+    fn needs_points(&self, a: &Node, b: &Node) -> bool {
+        let radii = a.radii.1 + b.radii.1;
+        let are_few = a.range.len().max(b.range.len()) <= MOST_SUMMED;
+        are_few && radii * radii > MIDDLES_BELOW * MIDDLES_BELOW * a.bounds.distances_squared(&b.bounds).0
     }
 
     /// Takes off what rays find hidden; the number of rays.
@@ -108,9 +125,13 @@ impl Far {
                 i += 1;
             }
             let j = b.upto.partition_point(|&u| u < q).min(b.upto.len() - 1);
-            hash = mix(hash);
-            let (s, t) = (hash as usize % POINTS, (hash >> 32) as usize % POINTS);
-            let (x, y) = (clusters.points[a.range.start + i][s], clusters.points[b.range.start + j][t]);
+            let mut point = |facet: usize| {
+                hash = mix(hash);
+                let (s, t) = ((hash & 0xffff_ffff) as f64 + 0.5, (hash >> 32) as f64 + 0.5);
+                let side = clusters.facets.list[facet].side as usize;
+                enclosure.point_off(side, s / TWO_32, t / TWO_32)
+            };
+            let (x, y) = (point(a.range.start + i), point(b.range.start + j));
             self.rays.push(enclosure.segment(x, y));
             self.facets.push([i as u32, j as u32]);
         }
@@ -144,8 +165,49 @@ impl Far {
     }
 }
 
+const TWO_32: f64 = 4_294_967_296.0;
+
+/// Three or four points.
+#[derive(Clone, Copy)]
+struct Few([DVec3; 4], usize);
+
+fn few(points: &[DVec3]) -> Few {
+    let mut all = [DVec3::ZERO; 4];
+    all[..points.len()].copy_from_slice(points);
+    Few(all, points.len())
+}
+
+impl std::ops::Deref for Few {
+    type Target = [DVec3];
+
+    fn deref(&self) -> &[DVec3] {
+        &self.0[..self.1]
+    }
+}
+
 /// The fractional part of the golden ratio.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Points of a facet that integrate quadratic functions, all of one weight: Gauss points of a quadrilateral by its
+/// bilinear map, exact if it is a parallelogram, and three of a triangle (Strang and Fix 1973).
+fn points(facet: &Facet) -> Few {
+    let near = 0.5 - 0.5 / 3f64.sqrt();
+    match *facet.corners() {
+        [a, b, c] => {
+            let middle = (a + b + c) / 6.0;
+            few(&[middle + 0.5 * a, middle + 0.5 * b, middle + 0.5 * c])
+        }
+        [a, b, c, d] => {
+            let along = |t: f64| (a + t * (b - a), d + t * (c - d));
+            let on = |s: f64, t: f64| {
+                let (low, high) = along(s);
+                low + t * (high - low)
+            };
+            few(&[on(near, near), on(1.0 - near, near), on(1.0 - near, 1.0 - near), on(near, 1.0 - near)])
+        }
+        _ => unreachable!("facets have three or four corners"),
+    }
+}
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
 fn mix(mut z: u64) -> u64 {
@@ -190,8 +252,11 @@ impl End {
 }
 
 impl Sample {
-    /// Every so many-th facet of a range, with the area of all.
-    fn take(&mut self, clusters: &Clusters, range: Range<usize>) {
+    /// Every so many-th facet of a range, with the area of all; or some points of every one.
+    fn take(&mut self, clusters: &Clusters, range: Range<usize>, is_fine: bool) {
+        if is_fine {
+            return self.take_points(&clusters.facets.list[range]);
+        }
         let step = range.len().div_ceil(MOST_SUMMED);
         for (to, from) in self.0.iter_mut().zip(&clusters.middles) {
             to.clear();
@@ -200,6 +265,28 @@ impl Sample {
         let areas = &clusters.middles[6][range];
         let scale = areas.iter().sum::<f64>() / self.0[6].iter().sum::<f64>();
         self.0[6].iter_mut().for_each(|a| *a *= scale);
+        self.fill_lanes();
+    }
+
+    fn take_points(&mut self, facets: &[Facet]) {
+        self.0.iter_mut().for_each(Vec::clear);
+        for facet in facets {
+            let (points, n) = (points(facet), facet.normal);
+            for p in points.iter() {
+                let entry = [p.x, p.y, p.z, n.x, n.y, n.z, facet.area / points.len() as f64];
+                self.0.iter_mut().zip(entry).for_each(|(to, v)| to.push(v));
+            }
+        }
+        self.fill_lanes();
+    }
+
+    /// Repeats the last entry, without area.
+    fn fill_lanes(&mut self) {
+        let whole = self.0[0].len().next_multiple_of(LANES);
+        for (k, to) in self.0.iter_mut().enumerate() {
+            let last = if k == 6 { 0.0 } else { to[to.len() - 1] };
+            to.resize(whole, last);
+        }
     }
 
     /// What a facet exchanges with the sample, m2.
@@ -221,26 +308,24 @@ impl Sample {
     /// From middle to middle. The same bits with every instruction set: nothing is fused.
     #[inline(always)]
     fn exchange_plain(&self, [x, y, z, n, m, l, area]: [f64; 7]) -> f64 {
-        const LANES: usize = 4;
-        let mut sums = [0.0; LANES];
-        let term = |k: usize| {
-            let s = self.0.each_ref().map(|v| v[k]);
-            let (rx, ry, rz) = (s[0] - x, s[1] - y, s[2] - z);
-            let r2 = rx * rx + ry * ry + rz * rz;
-            let here = (n * rx + m * ry + l * rz).max(0.0);
-            let there = (-(s[3] * rx + s[4] * ry + s[5] * rz)).max(0.0);
-            s[6] * (here * there) / (r2 * r2)
-        };
         let count = self.0[0].len();
-        let whole = count - count % LANES;
-        for k in (0..whole).step_by(LANES) {
-            for lane in 0..LANES {
-                sums[lane] += term(k + lane);
+        let [xs, ys, zs, ns, ms, ls, areas] = std::array::from_fn(|k| &self.0[k][..count]);
+        let lanes = |v: &[f64], k: usize| -> [f64; LANES] { *v[k..].first_chunk().expect("whole lanes") };
+        let mut sums = [0.0; LANES];
+        for k in (0..count).step_by(LANES) {
+            let (xs, ys, zs) = (lanes(xs, k), lanes(ys, k), lanes(zs, k));
+            let (ns, ms, ls, areas) = (lanes(ns, k), lanes(ms, k), lanes(ls, k), lanes(areas, k));
+            for i in 0..LANES {
+                let (rx, ry, rz) = (xs[i] - x, ys[i] - y, zs[i] - z);
+                let r2 = rx * rx + ry * ry + rz * rz;
+                let here = (n * rx + m * ry + l * rz).max(0.0);
+                let there = (-(ns[i] * rx + ms[i] * ry + ls[i] * rz)).max(0.0);
+                sums[i] += areas[i] * (here * there) / (r2 * r2);
             }
-        }
-        for k in whole..count {
-            sums[0] += term(k);
         }
         area * FRAC_1_PI * (sums[0] + sums[1] + sums[2] + sums[3])
     }
 }
+
+/// Terms summed together.
+const LANES: usize = 4;

@@ -40,12 +40,15 @@ pub struct Settings {
     pub separation: f64,
     /// The form factor that one ray of a link stands for.
     pub ray_share: f64,
+    /// The tolerance of near pairs.
+    pub near: f64,
 }
 
 impl Settings {
     /// What a tolerance needs.
     pub fn new(tolerance: f64, seed: u64) -> Self {
-        Self { tolerance, seed, separation: 0.6, ray_share: (25.0 * tolerance * tolerance).clamp(1e-6, 1e-1) }
+        let separation = (0.6 * (200.0 * tolerance).cbrt()).clamp(0.2, 0.7);
+        Self { tolerance, seed, separation, ray_share: 10.0 * tolerance * tolerance, near: 4.0 * tolerance }
     }
 }
 
@@ -82,10 +85,10 @@ pub fn measure(
     settings: &Settings,
     control: &Control,
 ) -> Result<(Hierarchical, Tally), Cancelled> {
-    let clusters = Clusters::new(enclosure, settings.seed);
+    let clusters = Clusters::new(enclosure);
     let blockers = Blockers::new(enclosure, clusters.facets.extent);
     let scene = Scene {
-        near: pairs::Settings { kernel: Kernel::Auto, tolerance: settings.tolerance, seed: settings.seed },
+        near: pairs::Settings { kernel: Kernel::Auto, tolerance: settings.near, seed: settings.seed },
         tasks: plan(&clusters, settings.separation, blockers.contact),
         enclosure,
         clusters,
@@ -153,7 +156,7 @@ impl Scene<'_> {
     fn link(&self, a: usize, b: usize, far: &mut Far, part: &mut Part, tally: &mut Tally) {
         let nodes = &self.clusters.facets.nodes;
         let (rows, columns) = (nodes[a].range.clone(), nodes[b].range.clone());
-        if !far.unoccluded(&self.clusters, rows.clone(), columns.clone()) {
+        if !far.unoccluded(&self.clusters, &nodes[a], &nodes[b]) {
             return;
         }
         let shaft = Shaft::new(nodes[a].bounds, nodes[b].bounds, self.blockers.contact);

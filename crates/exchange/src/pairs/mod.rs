@@ -18,7 +18,7 @@ mod selection;
 
 use crate::convex::{range, split};
 use crate::enclosure::Enclosure;
-use crate::facets::{Bounds, Facet, Facets, Grouping, Node};
+use crate::facets::{Bounds, Facet, Facets, Grouping, LEAF, Node};
 use crate::kernels::areas::{ORDERS, Orders, Separation, areas};
 use crate::kernels::contour::{contour, is_closed_form};
 use crate::kernels::nusselt::nusselt;
@@ -118,7 +118,7 @@ pub fn forecast(sides: usize) -> u64 {
 
 /// The exchange of all pairs, by the numbers of the sides.
 pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) -> Result<(Symmetric, Tally), Cancelled> {
-    let facets = Facets::new(enclosure, Grouping::OF_PAIRS);
+    let facets = Facets::new(enclosure, Grouping::OF_PAIRS, LEAF);
     let n = facets.list.len();
     let blockers = Blockers::new(enclosure, facets.extent);
     let scene = Scene::new(enclosure, facets, &blockers, settings);

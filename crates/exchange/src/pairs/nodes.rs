@@ -171,7 +171,7 @@ impl Layer {
 mod tests {
     use super::*;
     use crate::enclosure::Enclosure;
-    use crate::facets::{Facets, Grouping};
+    use crate::facets::{Facets, Grouping, LEAF};
     use radiosity_geometry::{DVec3, Patches};
 
     #[test]
@@ -183,7 +183,7 @@ mod tests {
             [at(2., 0., 2.), at(2., 1., 2.), at(2., 1., 3.), at(2., 0.3, 3.)],
         ];
         let patches = Patches::new(polygons, vec![0; 3], vec![0; 3], vec![false; 3]);
-        let facets = Facets::new(&Enclosure::new(patches), Grouping::OF_PAIRS).list;
+        let facets = Facets::new(&Enclosure::new(patches), Grouping::OF_PAIRS, LEAF).list;
         let nodes = Nodes::new(&facets);
         for (order, &points) in ORDERS.iter().enumerate() {
             let (mut plain, mut row, mut run) = ([0.0; 3], [0.0; 3], [0.0; 3]);

@@ -20,7 +20,7 @@ use radiosity_geometry::sampling::Sequence;
 const MOST_RAYS: usize = 1024;
 
 /// The fewest.
-const LEAST_RAYS: usize = 4;
+const LEAST_RAYS: usize = 1;
 
 /// Lines whose ends are kept with the facets: all that are cast where few do, else those that do not count.
 const KEPT: usize = 32;
