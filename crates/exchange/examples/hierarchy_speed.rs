@@ -36,7 +36,7 @@ fn main() {
     settings.ray_share = number(4).unwrap_or(settings.ray_share);
     settings.near = number(5).unwrap_or(settings.near);
     let start = Instant::now();
-    let (operator, tally) = hierarchy::measure(&enclosure, &settings, &Control::default()).expect("not cancelled");
+    let (operator, tally) = hierarchy::measure(&enclosure, &settings, &[], &Control::default()).expect("not cancelled");
     let seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let fields = fields(&enclosure);
@@ -50,7 +50,13 @@ fn main() {
         operator.pairs() as f64 / count as f64,
         1e3 * once
     );
-    let rows: Vec<usize> = if count <= MOST_PAIRS { (0..count).collect() } else { (0..200).map(|k| (k * 7919 + 13) % count).collect() };
+    let start = Instant::now();
+    let check = hierarchy::Check::new(&enclosure, settings.tolerance, 0, &Control::default()).expect("not cancelled");
+    let arriving: Vec<f64> = product.iter().enumerate().map(|(i, g)| g / enclosure.area(i)).collect();
+    let found = check.deviations(&fields[0].1, &arriving, 1)[0];
+    println!("  check in {:.2} s: error {:.2e}, mean {:.4}", start.elapsed().as_secs_f64(), found.error, found.mean);
+    let rows: Vec<usize> =
+        if count <= MOST_PAIRS { (0..count).collect() } else { (0..200).map(|k| (k * 7919 + 13) % count).collect() };
     let truth = truth(&enclosure, &rows, &fields);
     for ((name, x), truth) in fields.iter().zip(truth) {
         operator.apply(x, &mut product, 1);
@@ -61,7 +67,12 @@ fn main() {
             mean += a * t;
             area += a;
         }
-        println!("  {name:8} error {:.2e} of 1, {:.2} % of the mean {:.3}", (error / area).sqrt(), 100.0 * (error * area).sqrt() / mean, mean / area);
+        println!(
+            "  {name:8} error {:.2e} of 1, {:.2} % of the mean {:.3}",
+            (error / area).sqrt(),
+            100.0 * (error * area).sqrt() / mean,
+            mean / area
+        );
     }
 }
 
@@ -72,7 +83,10 @@ fn fields(enclosure: &Enclosure) -> Vec<(&'static str, Vec<f64>)> {
     vec![
         ("even", of(&|_| 1.0)),
         ("noise", of(&|i| ((i as f64 * 78.233).sin() * 43758.5453).rem_euclid(1.0))),
-        ("gradient", of(&|i| (0.5 * (enclosure.patches().centre[i].x + enclosure.patches().centre[i].z)).clamp(0.0, 1.0))),
+        (
+            "gradient",
+            of(&|i| (0.5 * (enclosure.patches().centre[i].x + enclosure.patches().centre[i].z)).clamp(0.0, 1.0)),
+        ),
         ("lit", of(&|i| enclosure.normal(i).dot(sun).max(0.0))),
     ]
 }
@@ -96,7 +110,8 @@ fn truth(enclosure: &Enclosure, rows: &[usize], fields: &[(&str, Vec<f64>)]) -> 
         rows.iter().for_each(|&i| wanted[i] = 1 << 15);
         shots::shoot(enclosure, &mut samples, &wanted, 1, &Control::default()).expect("not cancelled");
         let mean = |x: &Vec<f64>, i: usize| {
-            samples.of(i).flatten().filter(|s| s.landed()).map(|s| x[s.target as usize]).sum::<f64>() / f64::from(1 << 15)
+            samples.of(i).flatten().filter(|s| s.landed()).map(|s| x[s.target as usize]).sum::<f64>()
+                / f64::from(1 << 15)
         };
         fields.iter().map(|f| rows.iter().map(|&i| mean(&f.1, i)).collect()).collect()
     };

@@ -77,7 +77,9 @@ impl Part {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        16 * self.links.len() + 4 * self.weights.len() + 4 * (self.rows.len() + self.offsets.len())
+        16 * self.links.len()
+            + 4 * self.weights.len()
+            + 4 * (self.rows.len() + self.offsets.len())
             + 8 * self.columns.len()
     }
 

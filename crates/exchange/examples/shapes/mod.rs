@@ -67,7 +67,9 @@ pub fn room(n: usize, boxes: usize) -> Patches {
         let size = p(0.08 + 0.2 * noise(7 * k), 0.08 + 0.2 * noise(7 * k + 1), 0.05 + 0.35 * noise(7 * k + 2));
         let low = p((0.98 - size.x) * noise(7 * k + 3) + 0.01, (0.98 - size.y) * noise(7 * k + 4) + 0.01, 0.0);
         let (x, y, z) = (p(size.x, 0., 0.), p(0., size.y, 0.), p(0., 0., size.z));
-        for (f, (o, u, v)) in [(low + z, x, y), (low, x, z), (low, z, y), (low + y, z, x), (low + x, y, z)].into_iter().enumerate() {
+        for (f, (o, u, v)) in
+            [(low + z, x, y), (low, x, z), (low, z, y), (low + y, z, x), (low + x, y, z)].into_iter().enumerate()
+        {
             let (a, b) = ((u.length() * n as f64).ceil() as usize, (v.length() * n as f64).ceil() as usize);
             let (u, v) = (u / a as f64, v / b as f64);
             for c in 0..a * b {

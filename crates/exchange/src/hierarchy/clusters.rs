@@ -7,7 +7,6 @@ use glam::DVec3;
 /// How much of a cluster's own size a turn of the normal by a right angle counts.
 const TURN: f64 = 1.1;
 
-
 /// Facets in the order of a tree, with what links read of them.
 pub struct Clusters {
     pub facets: Facets,
@@ -15,6 +14,8 @@ pub struct Clusters {
     cones: Vec<Cone>,
     /// Middles, normals and areas, coordinate by coordinate.
     pub middles: [Vec<f64>; 7],
+    /// How much more than the mean what each facet sends matters; empty where all matter alike.
+    pub importance: Vec<f64>,
 }
 
 /// Facets in a leaf: fewer make more blocks, more make more near pairs.
@@ -29,14 +30,35 @@ pub struct Cone {
 }
 
 impl Clusters {
-    pub fn new(enclosure: &Enclosure) -> Self {
+    pub fn new(enclosure: &Enclosure, importance: &[f64]) -> Self {
         let facets = Facets::new(enclosure, Grouping::Compact(TURN), LEAF);
         let coordinate = |k: usize| {
-            facets.list.iter().map(|f| if k < 3 { f.centre[k] } else if k < 6 { f.normal[k - 3] } else { f.area }).collect()
+            facets
+                .list
+                .iter()
+                .map(|f| {
+                    if k < 3 {
+                        f.centre[k]
+                    } else if k < 6 {
+                        f.normal[k - 3]
+                    } else {
+                        f.area
+                    }
+                })
+                .collect()
         };
         Self {
             middles: std::array::from_fn(coordinate),
-            cones: facets.nodes.iter().map(|node| Cone::around(facets.list[node.range.clone()].iter().map(|f| f.normal))).collect(),
+            cones: facets
+                .nodes
+                .iter()
+                .map(|node| Cone::around(facets.list[node.range.clone()].iter().map(|f| f.normal)))
+                .collect(),
+            importance: if importance.is_empty() {
+                Vec::new()
+            } else {
+                facets.list.iter().map(|f| importance[f.side as usize]).collect()
+            },
             facets,
         }
     }

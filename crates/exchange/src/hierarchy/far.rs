@@ -99,14 +99,21 @@ impl Far {
         count
     }
 
-    /// As many rays as the form factors of either end have shares.
+    /// As many rays as the form factors of either end have shares, of what matters.
     fn ray_count(&self, clusters: &Clusters, share: f64) -> usize {
         let factors = |end: &End| {
             end.sums.iter().zip(&clusters.middles[6][end.range.clone()]).map(|(s, area)| s / area).sum::<f64>()
         };
-        let most = MOST_RAYS_A_FACET * self.ends.iter().map(|end| end.sums.len()).max().unwrap_or(0);
-        let wanted = self.ends.iter().map(factors).fold(0.0, f64::max) / share;
-        (wanted.ceil() as usize).clamp(LEAST_RAYS, most.max(LEAST_RAYS))
+        let importance = |end: &End| match clusters.importance.get(end.range.clone()) {
+            Some(all) if !all.is_empty() => {
+                end.sums.iter().zip(all).map(|(s, w)| s * w).sum::<f64>() / end.sums.iter().sum::<f64>()
+            }
+            _ => 1.0,
+        };
+        let [a, b] = &self.ends;
+        let most = MOST_RAYS_A_FACET * a.sums.len().max(b.sums.len());
+        let wanted = (factors(a) * importance(b)).max(factors(b) * importance(a)) / share;
+        (wanted.ceil() as usize).clamp(LEAST_RAYS, most)
     }
 
     /// Draws pairs of facets in proportion to what they exchange, evenly on both ends, and a line for each.

@@ -15,6 +15,7 @@
 //! the fact (Potter et al. 2022, *J. Comput. Phys.: X*) no entry of it is ever computed. Light that is even across
 //! each end of a link is exchanged without error but for that of the rays.
 
+mod check;
 mod clusters;
 mod far;
 mod plan;
@@ -23,6 +24,7 @@ use crate::enclosure::Enclosure;
 use crate::facets::Node;
 use crate::pairs::{self, Kernel, Scratch, Selection};
 use crate::visibility::{Blockers, Shaft};
+pub use check::{Check, Deviation};
 use clusters::Clusters;
 use far::Far;
 use plan::{Relation, Task, plan};
@@ -80,12 +82,15 @@ impl Tally {
 }
 
 /// The exchange of all sides, by their numbers.
+///
+/// `importance`: for each side how much more than the mean what it sends matters, or nothing where all matter alike.
 pub fn measure(
     enclosure: &Enclosure,
     settings: &Settings,
+    importance: &[f64],
     control: &Control,
 ) -> Result<(Hierarchical, Tally), Cancelled> {
-    let clusters = Clusters::new(enclosure);
+    let clusters = Clusters::new(enclosure, importance);
     let blockers = Blockers::new(enclosure, clusters.facets.extent);
     let scene = Scene {
         near: pairs::Settings { kernel: Kernel::Auto, tolerance: settings.near, seed: settings.seed },
@@ -145,6 +150,7 @@ impl Scene<'_> {
             facets: &self.clusters.facets,
             blockers: &self.blockers,
             settings: &self.near,
+            importance: &self.clusters.importance,
         };
         let between = |a: &Node, b: &Node, found: &mut Vec<u32>| {
             self.blockers.find(&Shaft::new(a.bounds, b.bounds, self.blockers.contact), found);

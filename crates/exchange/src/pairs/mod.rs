@@ -158,6 +158,8 @@ struct Scene<'a> {
     points: Points,
     orders: Orders,
     settings: &'a Settings,
+    /// Per facet, how much more than the mean what it sends matters; empty where all matter alike.
+    importance: Vec<f64>,
 }
 
 impl<'a> Scene<'a> {
@@ -172,7 +174,13 @@ impl<'a> Scene<'a> {
             orders: Orders::new(0.5 * settings.tolerance),
             facets,
             settings,
+            importance: Vec::new(),
         }
+    }
+
+    /// How much more than the mean matters what two facets exchange.
+    fn importance_of(&self, i: usize, j: usize) -> f64 {
+        self.importance.get(i).map_or(1.0, |w| w.max(self.importance[j]).max(1.0))
     }
 }
 
@@ -459,7 +467,8 @@ impl<'a> Task<'a> {
             return whole.max(0.0);
         }
         let smaller = first.facet.area.min(second.facet.area);
-        let allowed = PARTIAL_SHARE * self.scene.settings.tolerance * (whole * smaller).sqrt();
+        let important = self.scene.importance_of(numbers.0, numbers.1);
+        let allowed = PARTIAL_SHARE * self.scene.settings.tolerance * (whole * smaller).sqrt() / important;
         let hidden = self.hidden(&Ends { numbers, first, second, whole, are_apart, allowed }, candidates);
         self.tally.worst_error = self.tally.worst_error.max(hidden.error / smaller);
         let left = whole - hidden.value;

@@ -12,6 +12,8 @@ pub(crate) struct Selection<'a> {
     pub facets: &'a Facets,
     pub blockers: &'a Blockers,
     pub settings: &'a Settings,
+    /// Per facet: how much more than the mean what it sends matters; empty where all matter alike.
+    pub importance: &'a [f64],
 }
 
 impl Selection<'_> {
@@ -31,7 +33,10 @@ impl Selection<'_> {
         leaves.dedup();
         let (facets, numbers) = self.gathered(&leaves);
         let n = facets.list.len();
-        let scene = Scene::new(self.enclosure, facets, self.blockers, self.settings);
+        let mut scene = Scene::new(self.enclosure, facets, self.blockers, self.settings);
+        if !self.importance.is_empty() {
+            scene.importance = numbers.iter().map(|&i| self.importance[i as usize]).collect();
+        }
         let mut tally = Tally::default();
         for pairs in pairs.chunk_by(|p, q| p.0 == q.0) {
             let local = |leaf: usize| leaves.binary_search(&leaf).expect("a leaf of a pair");

@@ -40,8 +40,7 @@ impl Shaft {
 
     /// Whether a box has a point between the boxes, or may have.
     pub fn meets(&self, bounds: &Bounds) -> bool {
-        self.bounds.meets(bounds)
-            && !self.planes.iter().any(|(normal, most)| bounds.extent_along(*normal).0 >= *most)
+        self.bounds.meets(bounds) && !self.planes.iter().any(|(normal, most)| bounds.extent_along(*normal).0 >= *most)
     }
 
     /// Whether a blocker may stand between the boxes.
