@@ -120,6 +120,19 @@ pub struct Node {
     pub children: Option<[usize; 2]>,
 }
 
+impl Node {
+    /// A leaf over facets of which the first has a number.
+    fn over<'a>(facets: impl Iterator<Item = &'a Facet>, first: usize) -> Self {
+        let mut node = Self { range: first..first, bounds: Bounds::EMPTY, radii: (f64::INFINITY, 0.0), children: None };
+        for f in facets {
+            node.range.end += 1;
+            node.bounds = node.bounds.union(Bounds::of(f.corners().iter().copied()));
+            node.radii = (node.radii.0.min(f.radius), node.radii.1.max(f.radius));
+        }
+        node
+    }
+}
+
 /// All sides with area, in the order of a tree over them.
 pub struct Facets {
     /// In tree order.
@@ -150,6 +163,11 @@ impl Grouping {
 impl Facets {
     /// Takes the sides of an enclosure.
     pub fn new(enclosure: &Enclosure, grouping: Grouping, leaf: usize) -> Self {
+        Self::apart(enclosure, grouping, leaf, &vec![0; enclosure.sides()])
+    }
+
+    /// The same, such that no node but those at the top has sides of two parts: `parts` says which each is in.
+    pub fn apart(enclosure: &Enclosure, grouping: Grouping, leaf: usize, parts: &[u32]) -> Self {
         let sides = (0..enclosure.sides()).filter(|&side| enclosure.area(side) > 0.0);
         let mut list: Vec<Facet> = sides.map(|side| Facet::new(enclosure, side)).collect();
         let patches = enclosure.patches();
@@ -157,7 +175,10 @@ impl Facets {
         let extent = if list.is_empty() { 0.0 } else { (all.high - all.low).max_element() };
         let mut nodes = Vec::new();
         if !list.is_empty() {
-            divide(&mut list, 0, (grouping, extent, leaf), &mut nodes);
+            list.sort_by_key(|f| parts[f.side as usize]);
+            let mut runs: Vec<&mut [Facet]> =
+                list.chunk_by_mut(|a, b| parts[a.side as usize] == parts[b.side as usize]).collect();
+            join(&mut runs, 0, (grouping, extent, leaf), &mut nodes);
         }
         Self { list, nodes, extent }
     }
@@ -168,13 +189,24 @@ impl Facets {
     }
 }
 
+/// Adds the node over runs that follow each other, and all below it; returns its number.
+fn join(runs: &mut [&mut [Facet]], first: usize, how: (Grouping, f64, usize), nodes: &mut Vec<Node>) -> usize {
+    if let [run] = runs {
+        return divide(run, first, how, nodes);
+    }
+    let number = nodes.len();
+    nodes.push(Node::over(runs.iter().flat_map(|run| run.iter()), first));
+    let (left, right) = runs.split_at_mut(runs.len() / 2);
+    let middle = first + left.iter().map(|run| run.len()).sum::<usize>();
+    nodes[number].children = Some([join(left, first, how, nodes), join(right, middle, how, nodes)]);
+    number
+}
+
 /// Adds the node over a run that starts at `first`, and all below it; returns its number.
 fn divide(run: &mut [Facet], first: usize, how: (Grouping, f64, usize), nodes: &mut Vec<Node>) -> usize {
     let (grouping, extent, leaf) = how;
     let number = nodes.len();
-    let bounds = Bounds::of(run.iter().flat_map(|f| f.corners().to_vec()));
-    let radii = run.iter().fold((f64::INFINITY, 0.0f64), |(l, h), f| (l.min(f.radius), h.max(f.radius)));
-    nodes.push(Node { range: first..first + run.len(), bounds, radii, children: None });
+    nodes.push(Node::over(run.iter(), first));
     if run.len() > leaf {
         // Along whichever of six coordinates, three of place and three of direction, the run is longest.
         let coordinate = |f: &Facet, k: usize| if k < 3 { f.centre[k] } else { f.normal[k - 3] };

@@ -1,7 +1,8 @@
 //! The tree over facets, and what is known of each cluster.
 
+use super::parts::{NO_PART, parts};
 use crate::enclosure::Enclosure;
-use crate::facets::{Facets, Grouping};
+use crate::facets::{Facets, Grouping, Node};
 use glam::DVec3;
 
 /// How much of a cluster's own size a turn of the normal by a right angle counts.
@@ -12,6 +13,8 @@ pub struct Clusters {
     pub facets: Facets,
     /// Per node.
     cones: Vec<Cone>,
+    /// Per node: which part of the scene all its facets are in; none at the top, where they are in several.
+    parts: Vec<Option<u32>>,
     /// Middles, normals and areas, coordinate by coordinate.
     pub middles: [Vec<f64>; 7],
     /// How much more than the mean what each facet sends matters; empty where all matter alike.
@@ -30,8 +33,12 @@ pub struct Cone {
 }
 
 impl Clusters {
-    pub fn new(enclosure: &Enclosure, importance: &[f64]) -> Self {
-        let facets = Facets::new(enclosure, Grouping::Compact(TURN), LEAF);
+    pub fn new(enclosure: &Enclosure, importance: &[f64], seed: u64) -> Self {
+        let parts = parts(enclosure, seed);
+        let facets = Facets::apart(enclosure, Grouping::Compact(TURN), LEAF, &parts);
+        // Parts follow each other in the tree.
+        let part = |i: usize| parts[facets.list[i].side as usize];
+        let part_of = |n: &Node| Some(part(n.range.start)).filter(|&p| p == part(n.range.end - 1));
         let coordinate = |k: usize| {
             facets
                 .list
@@ -49,6 +56,7 @@ impl Clusters {
         };
         Self {
             middles: std::array::from_fn(coordinate),
+            parts: facets.nodes.iter().map(part_of).collect(),
             cones: facets
                 .nodes
                 .iter()
@@ -61,6 +69,12 @@ impl Clusters {
             },
             facets,
         }
+    }
+
+    /// Whether two nodes are in parts of the scene that see nothing of each other.
+    pub fn are_parted(&self, a: usize, b: usize) -> bool {
+        let large = |n: usize| self.parts[n].filter(|&p| p != NO_PART);
+        large(a).zip(large(b)).is_some_and(|(a, b)| a != b)
     }
 
     pub fn cone(&self, node: usize) -> Cone {

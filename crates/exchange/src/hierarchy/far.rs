@@ -95,8 +95,48 @@ impl Far {
                 end.seen[k as usize] += u32::from(!occluded);
             }
         }
-        self.ends.iter_mut().for_each(End::attenuate);
         count
+    }
+
+    /// Leaves of the sums of each end what rays saw.
+    pub fn attenuate(&mut self) {
+        self.ends.iter_mut().for_each(End::attenuate);
+    }
+
+    /// Whether the rays say that halves of one end see the halves of the other so differently that more than `allowed`
+    /// of a form factor is at stake: then the block is not the product of what each facet sees.
+    pub fn is_mixed(&self, clusters: &Clusters, nodes: [&Node; 2], allowed: f64) -> bool {
+        let [a, b] = &self.ends;
+        let factor = |end: &End| {
+            let area: f64 = clusters.middles[6][end.range.clone()].iter().sum();
+            end.sums.iter().sum::<f64>() / area
+        };
+        let factor = factor(a).max(factor(b));
+        if factor <= allowed {
+            return false;
+        }
+        let halves = nodes.map(|node| match node.children {
+            Some([_, second]) => clusters.facets.nodes[second].range.start - node.range.start,
+            None => node.range.len() / 2,
+        });
+        let mut seen = [[(0.0f64, 0.0f64); 2]; 2];
+        for (&[i, j], occluded) in self.facets.iter().zip(&self.occluded) {
+            let cell = &mut seen[usize::from(i as usize >= halves[0])][usize::from(j as usize >= halves[1])];
+            cell.0 += 1.0;
+            cell.1 += f64::from(u8::from(!occluded));
+        }
+        let share = |(count, seen): (f64, f64)| if count > 0.0 { seen / count } else { 0.0 };
+        // Of the mean: never quite nothing, as of few rays alike.
+        let variance = |(count, seen): (f64, f64)| {
+            let p = (seen + 0.5) / (count + 1.0);
+            p * (1.0 - p) / (count + 1.0)
+        };
+        let [[p, q], [r, s]] = seen.map(|row| row.map(share));
+        let mixture = (p * s - q * r).abs();
+        let [[vp, vq], [vr, vs]] = seen.map(|row| row.map(variance));
+        let deviation = (s * s * vp + p * p * vs + r * r * vq + q * q * vr).sqrt();
+        let is_sure = mixture > 2.0 * deviation;
+        is_sure && mixture * factor > allowed
     }
 
     /// As many rays as the form factors of either end have shares, of what matters.

@@ -18,6 +18,7 @@
 mod check;
 mod clusters;
 mod far;
+mod parts;
 mod plan;
 
 use crate::enclosure::Enclosure;
@@ -54,6 +55,9 @@ impl Settings {
     }
 }
 
+/// The share of the tolerance that a block may err by where it is no product of two vectors.
+const MIXED_SHARE: f64 = 0.25;
+
 /// What was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
@@ -61,6 +65,8 @@ pub struct Tally {
     pub clear: u64,
     /// Links with rays.
     pub sampled: u64,
+    /// Links that were given up for those of their parts, as who sees whom is no product of two shares.
+    pub mixed: u64,
     /// Their rays.
     pub rays: u64,
     /// Pairs of leaves measured entry by entry.
@@ -74,6 +80,7 @@ impl Tally {
         Self {
             clear: self.clear + other.clear,
             sampled: self.sampled + other.sampled,
+            mixed: self.mixed + other.mixed,
             rays: self.rays + other.rays,
             near_leaves: self.near_leaves + other.near_leaves,
             pairs: self.pairs.plus(other.pairs),
@@ -90,7 +97,7 @@ pub fn measure(
     importance: &[f64],
     control: &Control,
 ) -> Result<(Hierarchical, Tally), Cancelled> {
-    let clusters = Clusters::new(enclosure, importance);
+    let clusters = Clusters::new(enclosure, importance, settings.seed);
     let blockers = Blockers::new(enclosure, clusters.facets.extent);
     let scene = Scene {
         near: pairs::Settings { kernel: Kernel::Auto, tolerance: settings.near, seed: settings.seed },
@@ -137,7 +144,11 @@ impl Scene<'_> {
             while let Some((a, b)) = open.pop() {
                 match self.clusters.relation(a, b, self.settings.separation, self.blockers.contact) {
                     Relation::None => {}
-                    Relation::Far => self.link(a, b, far, &mut part, &mut tally),
+                    Relation::Far if self.link(a, b, far, &mut part, &mut tally) => {}
+                    Relation::Far => match self.clusters.split(a, b) {
+                        Relation::Split(pairs) => open.extend(pairs.into_iter().flatten().rev()),
+                        _ => near.push((a, b)),
+                    },
                     Relation::Near => near.push((a, b)),
                     Relation::Split(pairs) => open.extend(pairs.into_iter().flatten().rev()),
                 }
@@ -159,21 +170,30 @@ impl Scene<'_> {
         (part, tally)
     }
 
-    fn link(&self, a: usize, b: usize, far: &mut Far, part: &mut Part, tally: &mut Tally) {
+    /// Adds the link of two clusters that are apart; false if their parts must be linked instead.
+    fn link(&self, a: usize, b: usize, far: &mut Far, part: &mut Part, tally: &mut Tally) -> bool {
         let nodes = &self.clusters.facets.nodes;
-        let (rows, columns) = (nodes[a].range.clone(), nodes[b].range.clone());
         if !far.unoccluded(&self.clusters, &nodes[a], &nodes[b]) {
-            return;
+            return true;
         }
         let shaft = Shaft::new(nodes[a].bounds, nodes[b].bounds, self.blockers.contact);
         if self.blockers.leave_free(&shaft) {
             tally.clear += 1;
         } else {
-            tally.sampled += 1;
             tally.rays += far.occlude(self.enclosure, &self.clusters, (a, b), self.settings) as u64;
+            if far.is_mixed(&self.clusters, [&nodes[a], &nodes[b]], MIXED_SHARE * self.settings.tolerance) {
+                tally.mixed += 1;
+                return false;
+            }
+            tally.sampled += 1;
+            far.attenuate();
         }
         if far.balance() {
-            part.link(rows, columns, far.rows(), far.columns());
+            part.link(nodes[a].range.clone(), nodes[b].range.clone(), far.rows(), far.columns());
         }
+        true
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,7 @@ pub type Task = Vec<(usize, usize)>;
 
 /// How two clusters are dealt with.
 pub enum Relation {
-    /// They lie behind each other.
+    /// They lie behind each other, or in parts of the scene that see nothing of each other.
     None,
     /// They are well apart for their size.
     Far,
@@ -69,6 +69,9 @@ impl Clusters {
                 None => Relation::Near,
             };
         }
+        if self.are_parted(a, b) {
+            return Relation::None;
+        }
         if is_behind(first, self.cone(a), second, contact) || is_behind(second, self.cone(b), first, contact) {
             return Relation::None;
         }
@@ -77,6 +80,13 @@ impl Clusters {
         if ra + rb <= separation * distance {
             return Relation::Far;
         }
+        self.split(a, b)
+    }
+
+    /// The pairs of one of two nodes with the parts of the other, which is the larger.
+    pub fn split(&self, a: usize, b: usize) -> Relation {
+        let (first, second) = (&self.facets.nodes[a], &self.facets.nodes[b]);
+        let (ra, rb) = (radius(first), radius(second));
         match (first.children, second.children) {
             (None, None) => Relation::Near,
             (Some([l, r]), None) => Relation::Split([Some((l, b)), Some((r, b)), None]),
