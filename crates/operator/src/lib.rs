@@ -9,6 +9,7 @@ pub mod symmetric;
 pub use control::{Cancelled, Control};
 pub use csr::Csr;
 pub use dense::Dense;
+pub use radiosity_store::Numbers;
 pub use symmetric::{Block, Precision, Symmetric};
 
 /// A symmetric linear operator on vectors with one entry per element, applied to many columns at once.
