@@ -130,7 +130,7 @@ pub struct Facets {
 }
 
 /// Facets in a leaf: a run this long is worth one judgement.
-const LEAF: usize = 16;
+pub(crate) const LEAF: usize = 16;
 
 /// How much of the scene's size a turn of the normal by a right angle counts when facets are grouped.
 const NORMAL_WEIGHT: f64 = 1.0;

@@ -73,6 +73,17 @@ impl Identity {
     }
 }
 
+/// A hash of arrays, as text.
+pub fn fingerprint(sections: &[Section]) -> String {
+    let mut hash = Xxh3::new();
+    for section in sections {
+        hash.update(&section.code.to_le_bytes());
+        hash.update(&section.count.to_le_bytes());
+        hash.update(&section.bytes);
+    }
+    format!("{:032x}", hash.digest128())
+}
+
 /// The beginning of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Preamble {

@@ -40,7 +40,7 @@ mod writer;
 
 pub use checkpoint::{Checkpoint, Opened, partial_name};
 pub use error::StoreError;
-pub use format::{Identity, Settings, VERSION, role};
+pub use format::{Identity, Settings, VERSION, fingerprint, role};
 pub use numbers::{Element, Numbers};
 pub use ordered::{Keep, in_order};
 pub use section::{Section, Sections, Stored};
