@@ -153,6 +153,7 @@ class Factors:
         accuracy: float,
         method: str,
         seed: int,
+        memory_limit: int,
         threads: int | None = None,
         progress: _Progress | None = None,
     ) -> Solution: ...

@@ -241,9 +241,7 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         save_factors(self, path)
 
     @classmethod
-    def load(
-        cls, path: str | os.PathLike[str], patches: Patches | None = None, *, verify: bool = False
-    ) -> FormFactors:
+    def load(cls, path: str | os.PathLike[str], patches: Patches | None = None, *, verify: bool = False) -> FormFactors:
         """Read what :meth:`save` wrote as ``.npz`` or ``.exchange``.
 
         An ``.exchange`` is mapped: it opens at once, whatever its size, and its numbers are read from the disk as they

@@ -301,7 +301,9 @@ impl Factors {
     }
 
     /// Solves `B = E + rho F B` on these form factors as they are.
-    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, seed, threads=None, progress=None))]
+    #[pyo3(signature = (
+        reflectance, emission, lamps, accuracy, method, seed, memory_limit, threads=None, progress=None
+    ))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -311,10 +313,11 @@ impl Factors {
         accuracy: f64,
         method: &str,
         seed: u64,
+        memory_limit: u64,
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
-        let settings = settings(accuracy, seed, 0, u64::MAX, method, true)?;
+        let settings = settings(accuracy, seed, 0, memory_limit, method, true)?;
         let factors = self.checked(py)?;
         let lighting = lighting_in(&factors.enclosure, reflectance, emission, lamps)?;
         let result = watch::run(py, threads, progress.as_ref(), |control| {

@@ -55,7 +55,7 @@ def diagnose(error: BaseException) -> tuple[ExitCode, str]:
     if isinstance(error, MemoryError):
         return ExitCode.RESOURCES, "out of memory: use fewer patches, or lower --memory"
     if isinstance(error, KeyboardInterrupt):
-        return ExitCode.INTERRUPTED, "interrupted"
+        return ExitCode.INTERRUPTED, "; ".join(["interrupted", *getattr(error, "__notes__", [])])
     return _diagnose_usage(error)
 
 
