@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from radiosity import _native
+from radiosity.checks import memory_or_most
 from radiosity.factors import FormFactors
 from radiosity.patches import Patches
 
@@ -28,7 +29,8 @@ def is_exchange(path: PathLike) -> bool:
 
 def partial_name(path: PathLike) -> Path:
     """Where a file is while it is built."""
-    target = Path(path).resolve()
+    # A link is followed; else the name is left as the user knows it.
+    target = Path(path).resolve() if Path(path).is_symlink() else Path(path)
     return target.with_name(target.name + ".partial")
 
 
@@ -76,14 +78,17 @@ class ExchangeFile:
         except (KeyError, TypeError, ValueError) as e:
             raise ValueError(f"{path}: the file does not say what it holds ({e})") from e
 
-    def factors(self, patches: Patches | None = None) -> FormFactors:
+    def factors(self, patches: Patches | None = None, memory_limit: int | None = None) -> FormFactors:
         """The form factors, on patches made from the file unless others are given. Only once.
+
+        If the file is larger than ``memory_limit`` bytes (default: four fifths of what is available), what is read of
+        it does not stay in memory.
 
         Raises:
             ValueError: they were measured between other patches, or the file is damaged.
         """
         patches = self.patches() if patches is None else patches
-        native = self._native.factors(patches._enclosure)
+        native = self._native.factors(patches._enclosure, memory_or_most(memory_limit))
         return FormFactors(patches, native, self._told["method"], self._told["tolerance"])
 
     def patches(self) -> Patches:

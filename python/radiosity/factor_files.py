@@ -76,10 +76,12 @@ def _write_table(factors: FormFactors, file: IO[bytes]) -> None:
     text.detach()
 
 
-def load_factors(path: PathLike, patches: Patches | None = None, *, verify: bool = False) -> FormFactors:
+def load_factors(
+    path: PathLike, patches: Patches | None = None, *, verify: bool = False, memory_limit: int | None = None
+) -> FormFactors:
     """Read form factors that :func:`save_factors` wrote as ``.npz`` or ``.exchange``."""
     if is_exchange(path):
-        return ExchangeFile(path, verify=verify).factors(patches)
+        return ExchangeFile(path, verify=verify).factors(patches, memory_limit)
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)

@@ -241,7 +241,14 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         save_factors(self, path)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], patches: Patches | None = None, *, verify: bool = False) -> FormFactors:
+    def load(
+        cls,
+        path: str | os.PathLike[str],
+        patches: Patches | None = None,
+        *,
+        verify: bool = False,
+        memory_limit: int | None = None,
+    ) -> FormFactors:
         """Read what :meth:`save` wrote as ``.npz`` or ``.exchange``.
 
         An ``.exchange`` is mapped: it opens at once, whatever its size, and its numbers are read from the disk as they
@@ -253,6 +260,8 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
             patches: what the factors are between, to solve on them. By default patches are made anew from the file,
                 with the reflectance and emission of their surfaces.
             verify: read all of an ``.exchange`` and hold it against its checksums. Its structure is always checked.
+            memory_limit: bytes; what is read of an ``.exchange`` that is larger does not stay in memory (default: four
+                fifths of what is available).
 
         Raises:
             ValueError: no such file, or damaged, or it was measured on other patches.
@@ -260,7 +269,7 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         """
         from radiosity.factor_files import load_factors  # noqa: PLC0415
 
-        return load_factors(path, patches, verify=verify)
+        return load_factors(path, patches, verify=verify, memory_limit=memory_limit)
 
 
 ENFORCED = 1e-6
@@ -311,7 +320,7 @@ def form_factors(
         points: points per direction of "nusselt" (default 4, that is 16 points a patch), instead of a tolerance.
         seed: the same seed gives the same bytes.
         memory_limit: bytes that may be taken (default: four fifths of what is available). With a checkpoint, what is
-            at hand while measuring; pages of the file that the system keeps in memory do not count.
+            at hand while measuring; if the file is larger, what is read of it does not stay in memory.
         checkpoint: an ``.exchange`` file to measure onto.
         threads: default: all cores. The answer does not depend on it.
         progress: called with (done, total) some twenty times a second.

@@ -38,13 +38,15 @@ pub struct StoredFactors {
 }
 
 impl StoredFactors {
-    fn new(file: StoreFile, enclosure: Arc<Enclosure>) -> Result<Self, StoreError> {
+    /// With an operator of which no more stays in memory than needed if it is larger than the limit.
+    fn new(file: StoreFile, enclosure: Arc<Enclosure>, memory_limit: u64) -> Result<Self, StoreError> {
         let sides = enclosure.sides();
         let mut last = file.only(REPORT)?;
         let (text, order) = (last.take_text()?, last.take::<u32>()?.to_vec());
         let told = serde_json::from_str(&text).map_err(|e| last.damaged(e))?;
         let joined = |blocks: Vec<Block>| -> Result<Symmetric, StoreError> {
-            Symmetric::from_stored(sides, order.clone(), blocks).map_err(|what| last.damaged(what))
+            let joined = Symmetric::from_stored(sides, order.clone(), blocks).map_err(|what| last.damaged(what))?;
+            Ok(if file.length() > memory_limit { joined.frugal() } else { joined })
         };
         let blocks: Vec<Block> = file
             .with_role(role::BLOCK)
@@ -119,16 +121,17 @@ impl ExchangeFile {
         &self.description
     }
 
-    /// The form factors, on an enclosure of the same patches.
+    /// The form factors, on an enclosure of the same patches. If the file is larger than the limit, what is read of it
+    /// does not stay in memory.
     ///
     /// # Errors
     /// If it is of other patches, or the file is damaged.
-    pub fn on(self, enclosure: Arc<Enclosure>) -> Result<StoredFactors, StoreError> {
+    pub fn on(self, enclosure: Arc<Enclosure>, memory_limit: u64) -> Result<StoredFactors, StoreError> {
         let (a, b) = (&self.patches, enclosure.patches());
         if a.polygons != b.polygons || a.two_sided != b.two_sided || a.obstructions != b.obstructions {
             return Err(StoreError::different(self.file.path(), "these form factors are between other patches"));
         }
-        StoredFactors::new(self.file, enclosure)
+        StoredFactors::new(self.file, enclosure, memory_limit)
     }
 }
 
@@ -161,7 +164,7 @@ pub fn measure_onto(
         }
         Opened::Building(checkpoint) => write_measured(*checkpoint, enclosure.clone(), settings, control)?,
     };
-    let mut stored = StoredFactors::new(file, enclosure)?;
+    let mut stored = StoredFactors::new(file, enclosure, settings.memory_limit)?;
     if let Some(factors) = Arc::get_mut(&mut stored.factors) {
         factors.report.seconds = start.elapsed().as_secs_f64();
     }

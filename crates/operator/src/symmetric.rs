@@ -14,6 +14,8 @@ pub struct Symmetric {
     /// Position in the matrix -> number. Numbers that are missing have empty rows.
     order: Vec<u32>,
     blocks: Vec<Block>,
+    /// Whether blocks that are mapped are let go of after each use.
+    is_frugal: bool,
 }
 
 /// Consecutive rows: of row p the columns above p.
@@ -56,7 +58,7 @@ impl Symmetric {
     /// # Panics
     /// If the blocks do not cover all positions.
     pub fn from_blocks(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Self {
-        let joined = Self { len, order, blocks };
+        let joined = Self { len, order, blocks, is_frugal: false };
         if let Err(what) = joined.check_shape() {
             panic!("{what}");
         }
@@ -69,7 +71,7 @@ impl Symmetric {
     /// If order and blocks do not fit each other, in words. Indices within sparse blocks are left to
     /// [`Symmetric::check_indices`], as that reads them all.
     pub fn from_stored(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Result<Self, String> {
-        let joined = Self { len, order, blocks };
+        let joined = Self { len, order, blocks, is_frugal: false };
         joined.check_shape()?;
         Ok(joined)
     }
@@ -94,12 +96,29 @@ impl Symmetric {
         if next == n { Ok(()) } else { Err("blocks do not cover all rows in order".into()) }
     }
 
+    /// The same, of which no more stays in memory than is at work, where it is in a mapped file: each use of a block
+    /// finds its pages anew.
+    pub fn frugal(self) -> Self {
+        Self { is_frugal: true, ..self }
+    }
+
+    /// After a use of a block.
+    fn done_with(&self, block: &Block) {
+        if self.is_frugal {
+            block.entries.release();
+        }
+    }
+
     /// Checks that all columns of sparse blocks are within the matrix, above the diagonal and ascend. Reads them all.
     ///
     /// # Errors
     /// If one is not, in words. What is read of such a matrix panics or is wrong.
     pub fn check_indices(&self) -> Result<(), String> {
-        self.blocks.par_iter().try_for_each(|block| block.check_indices(self.order.len()))
+        self.blocks.par_iter().try_for_each(|block| {
+            let checked = block.check_indices(self.order.len());
+            self.done_with(block);
+            checked
+        })
     }
 
     /// The blocks, in order.
@@ -114,7 +133,12 @@ impl Symmetric {
 
     /// The number of entries that are not zero, both triangles.
     pub fn count(&self) -> usize {
-        2 * self.blocks.par_iter().map(|block| block.entries.not_zero()).sum::<usize>()
+        let count = |block: &Block| {
+            let count = block.entries.not_zero();
+            self.done_with(block);
+            count
+        };
+        2 * self.blocks.par_iter().map(count).sum::<usize>()
     }
 
     /// As one block: for each position of `rows` its entries above the diagonal, columns ascending.
@@ -129,7 +153,8 @@ impl Symmetric {
             values: rows.iter().flatten().map(|e| e.1).collect(),
         };
         // Several blocks let several threads work on a product.
-        Self { len: rows.len(), order: (0..rows.len() as u32).collect(), blocks: entries.divided(rows.len()) }
+        let order = (0..rows.len() as u32).collect();
+        Self { len: rows.len(), order, blocks: entries.divided(rows.len()), is_frugal: false }
     }
 
     /// The number of pairs stored.
@@ -155,6 +180,7 @@ impl Symmetric {
                     visit(self.order[p] as usize, self.order[q] as usize, v);
                 }
             });
+            self.done_with(block);
         }
     }
 
@@ -253,7 +279,10 @@ impl Symmetric {
             .into_par_iter()
             .map(|group| {
                 let mut sum = vec![[0.0; C]; n];
-                self.blocks[group].iter().for_each(|block| block.add_product(n, &x, &mut sum));
+                for block in &self.blocks[group] {
+                    block.add_product(n, &x, &mut sum);
+                    self.done_with(block);
+                }
                 sum
             })
             .collect();
@@ -292,6 +321,18 @@ impl Entries {
         match self {
             Entries::Dense(values) | Entries::Sparse { values, .. } => values.iter().filter(|v| **v != 0.0).count(),
             Entries::Single(values) => values.iter().filter(|v| **v != 0.0).count(),
+        }
+    }
+
+    fn release(&self) {
+        match self {
+            Entries::Dense(values) => values.release(),
+            Entries::Single(values) => values.release(),
+            Entries::Sparse { offsets, columns, values } => {
+                offsets.release();
+                columns.release();
+                values.release();
+            }
         }
     }
 

@@ -78,10 +78,10 @@ impl ExchangeFile {
     }
 
     /// The form factors, on an enclosure of the same patches; the file is used up.
-    fn factors(&mut self, enclosure: &Enclosure) -> PyResult<Factors> {
+    fn factors(&mut self, enclosure: &Enclosure, memory_limit: u64) -> PyResult<Factors> {
         self.get()?;
         let file = self.inner.take().expect("there is one");
-        let stored = file.on(enclosure.inner.clone()).map_err(errors::store)?;
+        let stored = file.on(enclosure.inner.clone(), memory_limit).map_err(errors::store)?;
         Ok(Factors { inner: Held::InFile(stored) })
     }
 }

@@ -43,6 +43,16 @@ pub enum Numbers<T: Element> {
     Mapped(Mapped),
 }
 
+/// Takes a part of a map out of what counts as this process's memory.
+#[cfg(unix)]
+pub(crate) fn release(map: &Mmap, start: usize, bytes: usize) {
+    // SAFETY: the map is shared and read-only, so that pages which are let go come back with the same bytes.
+    let _ = unsafe { map.unchecked_advise_range(memmap2::UncheckedAdvice::DontNeed, start, bytes) };
+}
+
+#[cfg(not(unix))]
+pub(crate) fn release(_: &Mmap, _: usize, _: usize) {}
+
 /// A place in a mapped file.
 #[derive(Clone)]
 pub struct Mapped {
@@ -67,6 +77,14 @@ impl<T: Element> Numbers<T> {
     /// Whether they are where a file is mapped.
     pub fn is_mapped(&self) -> bool {
         matches!(self, Numbers::Mapped(_))
+    }
+
+    /// Lets go of the pages that they are read through, where they are mapped. The system may keep them, and they are
+    /// there again when they are read.
+    pub fn release(&self) {
+        if let Numbers::Mapped(m) = self {
+            release(&m.map, m.start, m.bytes);
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::error::StoreError;
 use crate::format::{Digest, Footer, HEAD, Identity, Place, Preamble, RecordHead, Settings, role};
+use crate::numbers::release;
 use crate::section::Sections;
 use memmap2::Mmap;
 use rayon::prelude::*;
@@ -78,6 +79,8 @@ impl StoreFile {
         }
         let mut file = Self { path: path.into(), map, preamble, records, settings: Settings::new() };
         file.settings = file.read_settings().ok_or("the file is damaged: its first record holds no settings")?;
+        // What was touched to look at the structure.
+        release(&file.map, 0, file.map.len());
         Ok(file)
     }
 
@@ -93,7 +96,13 @@ impl StoreFile {
     /// # Errors
     /// If a record is damaged.
     pub fn verify(&self) -> Result<(), StoreError> {
-        let damaged = (0..self.records.len()).into_par_iter().find_first(|&k| !self.is_sound(&self.records[k]));
+        let is_damaged = |k: &usize| {
+            let record = &self.records[*k];
+            let is_sound = self.is_sound(record);
+            release(&self.map, record.data.start, record.data.len());
+            !is_sound
+        };
+        let damaged = (0..self.records.len()).into_par_iter().find_first(is_damaged);
         match damaged {
             None => Ok(()),
             Some(k) => {

@@ -7,6 +7,7 @@ use radiosity_store::{
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// A block of a few arrays, some of odd length, some empty.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,10 +73,15 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
+/// The bytes of the whole file.
 fn whole() -> Vec<u8> {
-    let (_folder, path) = folder();
-    build(&path);
-    fs::read(path).unwrap()
+    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+    let build = || {
+        let (_folder, path) = folder();
+        build(&path);
+        fs::read(path).unwrap()
+    };
+    BYTES.get_or_init(build).clone()
 }
 
 /// All that a user of a file reads.

@@ -189,9 +189,11 @@ def measure(
     import radiosity
     from radiosity.exchange_files import partial_name
 
-    if onto is not None and not quiet and partial_name(onto).exists():
-        print(f"radiosity: going on from {partial_name(onto).name}", file=sys.stderr)
-    with source.naming(file, patches.scene.name), Bar("measuring", quiet=quiet) as bar:
+    partial = None if onto is None else partial_name(onto)
+    if partial is not None and partial.exists() and not quiet:
+        print(f"radiosity: going on from {partial}", file=sys.stderr)
+    naming, resumable = source.naming(file, patches.scene.name), interrupt.resumable(partial)
+    with naming, resumable, Bar("measuring", quiet=quiet) as bar:
         return radiosity.form_factors(patches, **settings, checkpoint=onto, progress=bar)
 
 

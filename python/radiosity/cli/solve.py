@@ -75,7 +75,7 @@ def solve(
     if exchange is None:
         patches_, factors = source.cut(file, scene, meshing), None
     else:
-        patches_, factors = _saved(file, scene, meshing, exchange)
+        patches_, factors = _saved(file, scene, meshing, exchange, memory)
     solution = solve_patches(file, patches_, effort, factors=factors, quiet=quiet)
     output.save(solution, targets)
     findings = scene.findings()
@@ -91,7 +91,9 @@ def solve(
     output.demand_accuracy(file, solution.report)
 
 
-def _saved(file: str, scene: Scene, meshing: source.Meshing, exchange: Path) -> tuple[Patches, FormFactors]:
+def _saved(
+    file: str, scene: Scene, meshing: source.Meshing, exchange: Path, memory: str | None
+) -> tuple[Patches, FormFactors]:
     """The scene's patches, cut as those of a file of form factors were, and the form factors between them.
 
     Raises:
@@ -108,7 +110,7 @@ def _saved(file: str, scene: Scene, meshing: source.Meshing, exchange: Path) -> 
         if saved.cut is not None and meshing.is_left_open:
             meshing = replace(meshing, **saved.cut)
         patches = source.cut(file, scene, meshing)
-        return patches, saved.factors(patches)
+        return patches, saved.factors(patches, None if memory is None else options.read_size(memory))
     except ValueError as error:
         raise Stop(ExitCode.INPUT, f"{error} (solving {file})") from error
 
