@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radiosity import _native
+from radiosity.exchange_files import ExchangeFile, is_exchange, save_exchange
 from radiosity.factors import FormFactors
 from radiosity.files import write_whole
 from radiosity.scene import Scene, Surface
@@ -22,14 +23,16 @@ if TYPE_CHECKING:
 PathLike = str | os.PathLike[str]
 Arrays = dict[str, npt.NDArray[Any]]
 
-SUFFIXES = (".npz", ".csv")
+SUFFIXES = (".npz", ".csv", ".exchange")
 """What :func:`save_factors` writes."""
 
 
 def save_factors(factors: FormFactors, path: PathLike) -> None:
-    """Write form factors as ``.npz`` or ``.csv``; the file appears whole or not at all."""
+    """Write form factors as ``.npz``, ``.csv`` or ``.exchange``; the file appears whole or not at all."""
     suffix = Path(path).suffix.lower()
-    if suffix == ".npz":
+    if is_exchange(path):
+        save_exchange(factors, path)
+    elif suffix == ".npz":
         write_whole(Path(path), lambda file: np.savez_compressed(file, **_arrays(factors)))  # type: ignore[arg-type]
     elif suffix == ".csv":
         write_whole(Path(path), lambda file: _write_table(factors, file))
@@ -73,13 +76,17 @@ def _write_table(factors: FormFactors, file: IO[bytes]) -> None:
     text.detach()
 
 
-def load_factors(path: PathLike, patches: Patches | None = None) -> FormFactors:
-    """Read form factors that :func:`save_factors` wrote as ``.npz``."""
+def load_factors(
+    path: PathLike, patches: Patches | None = None, *, verify: bool = False, memory_limit: int | None = None
+) -> FormFactors:
+    """Read form factors that :func:`save_factors` wrote as ``.npz`` or ``.exchange``."""
+    if is_exchange(path):
+        return ExchangeFile(path, verify=verify).factors(patches, memory_limit)
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)
         report = json.loads(str(arrays["report"]))
-        found = _patches(arrays)
+        found = scene_of(arrays).patches(as_is=True)
         offsets, columns = arrays["indptr"].astype(np.int64), arrays["indices"].astype(np.uint32)
         values = np.ascontiguousarray(arrays["data"], dtype=np.float64)
     except (KeyError, ValueError, EOFError, zipfile.BadZipFile) as e:
@@ -95,8 +102,8 @@ def load_factors(path: PathLike, patches: Patches | None = None) -> FormFactors:
     return FormFactors(patches, native, report["method"], report["tolerance"])
 
 
-def _patches(arrays: Arrays) -> Patches:
-    """The patches as surfaces of their own, a face a patch."""
+def scene_of(arrays: Arrays) -> Scene:
+    """The surfaces as they were cut, a face a patch."""
     surfaces = [
         Surface(
             arrays["polygons"][of].reshape(-1, 3),
@@ -112,8 +119,7 @@ def _patches(arrays: Arrays) -> Patches:
     obstructions = [Surface(blockers.reshape(-1, 3), _faces(blockers), name="obstructions")] if len(blockers) else []
     bands = [str(band) for band in arrays["bands"]]
     combined = {int(part): int(whole) for part, whole in arrays.get("combined", [])}
-    scene = Scene(surfaces, bands=bands, obstructions=obstructions, name="form factors", combined=combined)
-    return scene.patches(as_is=True)
+    return Scene(surfaces, bands=bands, obstructions=obstructions, name="form factors", combined=combined)
 
 
 def _faces(polygons: npt.NDArray[Any]) -> npt.NDArray[np.int64]:

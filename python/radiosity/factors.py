@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -155,6 +156,10 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         offsets, columns, values = rows
         return csr_array((values, columns.astype(np.int32), offsets), shape=self.shape)
 
+    def count(self) -> int:
+        """The number of factors that are not zero, without copies of them."""
+        return self._native.count()
+
     def standard_error(self) -> csr_array:
         """(n, n) compressed rows: the standard error of each factor above zero, of the method ``monte_carlo``.
 
@@ -223,9 +228,9 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         return summed(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write ``.npz`` (reads back with :meth:`load` and with ``scipy.sparse.load_npz``) or ``.csv``.
+        """Write ``.npz`` (reads back with :meth:`load` and with ``scipy.sparse.load_npz``), ``.csv`` or ``.exchange``.
 
-        The file appears whole or not at all.
+        An ``.exchange`` is not compressed and needs no memory to be read. The file appears whole or not at all.
 
         Raises:
             ValueError: another suffix.
@@ -236,21 +241,35 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
         save_factors(self, path)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], patches: Patches | None = None) -> FormFactors:
-        """Read what :meth:`save` wrote as ``.npz``.
+    def load(
+        cls,
+        path: str | os.PathLike[str],
+        patches: Patches | None = None,
+        *,
+        verify: bool = False,
+        memory_limit: int | None = None,
+    ) -> FormFactors:
+        """Read what :meth:`save` wrote as ``.npz`` or ``.exchange``.
+
+        An ``.exchange`` is mapped: it opens at once, whatever its size, and its numbers are read from the disk as they
+        are used. Do not write to a file that is open so: to replace it, delete it or rename another one to its name,
+        as this package does.
 
         Args:
             path: the file.
             patches: what the factors are between, to solve on them. By default patches are made anew from the file,
                 with the reflectance and emission of their surfaces.
+            verify: read all of an ``.exchange`` and hold it against its checksums. Its structure is always checked.
+            memory_limit: bytes; what is read of an ``.exchange`` that is larger does not stay in memory (default: four
+                fifths of what is available).
 
         Raises:
-            ValueError: no such file, or it was measured on other patches.
+            ValueError: no such file, or damaged, or it was measured on other patches.
             OSError: the file cannot be read.
         """
         from radiosity.factor_files import load_factors  # noqa: PLC0415
 
-        return load_factors(path, patches)
+        return load_factors(path, patches, verify=verify, memory_limit=memory_limit)
 
 
 ENFORCED = 1e-6
@@ -268,10 +287,16 @@ def form_factors(
     points: int | None = None,
     seed: int = 0,
     memory_limit: int | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> FormFactors:
     """Measure the form factors between all patches, whatever stands between them.
+
+    With ``checkpoint="F.exchange"`` they are measured onto that file, block by block, and used from there: they need
+    not fit the memory. While it is built it is ``F.exchange.partial``; if the process ends early, the same call goes
+    on from there, and the file has the same bytes in the end. If the file is there already it is opened. The methods
+    "hemicube", "monte_carlo" and, without ``points``, "nusselt" write in the end only.
 
     Args:
         patches: the patches; where some are two-sided, their backs take part and follow all fronts.
@@ -294,13 +319,18 @@ def form_factors(
         hemicubes: hemicubes per patch (default 1, at the centroid), instead of a tolerance.
         points: points per direction of "nusselt" (default 4, that is 16 points a patch), instead of a tolerance.
         seed: the same seed gives the same bytes.
-        memory_limit: bytes that may be taken (default: four fifths of what is available).
+        memory_limit: bytes that may be taken (default: four fifths of what is available). With a checkpoint, what is
+            at hand while measuring; if the file is larger, what is read of it does not stay in memory.
+        checkpoint: an ``.exchange`` file to measure onto.
         threads: default: all cores. The answer does not depend on it.
         progress: called with (done, total) some twenty times a second.
 
     Raises:
-        ValueError: no such method, a count that does not go with the method, a tolerance out of reach.
+        ValueError: no such method, a count that does not go with the method, a tolerance out of reach; a checkpoint of
+            other patches or settings (delete it to start over), or a damaged one.
         ResourceError: the form factors may not fit the memory limit.
+        OSError: the checkpoint cannot be written. If the disk is full, what is done stays: make room and call again.
+        BlockingIOError: another process is measuring onto the same file.
     """
     if method not in METHODS:
         raise ValueError(f"there is no method '{method}'; choose {', '.join(METHODS[:-1])} or {METHODS[-1]}")
@@ -309,18 +339,46 @@ def form_factors(
     counts = {"rays": rays, "resolution": resolution, "hemicubes": hemicubes, "points": points}
     method = _method_of(method, {name: count for name, count in counts.items() if count is not None})
     samples, wanted = _samples(method, tolerance, rays, hemicubes, points)
-    native = _native.form_factors(
-        patches._enclosure,
-        method,
-        DEFAULT_TOLERANCE if wanted is None else wanted,
-        samples,
-        _pixels(resolution),
-        whole(seed, "seed", 0, 2**64 - 1),
-        memory_or_most(memory_limit),
-        threads_or_all(threads),
-        progress,
-    )
+    with _explained(checkpoint):
+        native = _native.form_factors(
+            patches._enclosure,
+            method,
+            DEFAULT_TOLERANCE if wanted is None else wanted,
+            samples,
+            _pixels(resolution),
+            whole(seed, "seed", 0, 2**64 - 1),
+            memory_or_most(memory_limit),
+            None if checkpoint is None else _onto(checkpoint, patches, method, wanted),
+            threads_or_all(threads),
+            progress,
+        )
     return FormFactors(patches, native, method, wanted)
+
+
+def _onto(
+    checkpoint: str | os.PathLike[str], patches: Patches, method: str, tolerance: float | None
+) -> tuple[str, str]:
+    """The path of a checkpoint and what the file is to say."""
+    from radiosity.exchange_files import describe, is_exchange  # noqa: PLC0415
+
+    if not is_exchange(checkpoint):
+        raise ValueError(f"{checkpoint}: name a checkpoint that ends in .exchange")
+    return os.fspath(checkpoint), describe(patches, method, tolerance)
+
+
+@contextmanager
+def _explained(checkpoint: str | os.PathLike[str] | None) -> Iterator[None]:
+    """Have an interruption say how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt as interruption:
+        if checkpoint is not None:
+            from radiosity.exchange_files import partial_name  # noqa: PLC0415
+
+            partial = partial_name(checkpoint)
+            if partial.exists():
+                interruption.add_note(f"what was measured is in {partial}: do the same again to go on from there")
+        raise
 
 
 _COUNTS: dict[Method, set[str]] = {

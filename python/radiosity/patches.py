@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,12 +26,14 @@ class Patches:
         area: (n,) m2. centre: (n, 3) m. normal: (n, 3) unit vectors by the right-hand rule.
         two_sided: (n,) whether the back reflects too.
         obstructions: (k, 4, 3) corners of polygons that only block: opaque, black and without ids.
+        cut: the arguments of :meth:`radiosity.Scene.patches`, to make the same patches again; None if unknown.
 
     Obstructions take part in exchange. Pictures and saved solutions leave them out.
     """
 
-    def __init__(self, scene: Scene, native: _native.Patches) -> None:
+    def __init__(self, scene: Scene, native: _native.Patches, cut: dict[str, Any] | None = None) -> None:
         self.scene = scene
+        self.cut = cut
         self._native = native
 
     def __len__(self) -> int:

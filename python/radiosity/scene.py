@@ -304,7 +304,8 @@ class Scene:
 
         native = self._native()
         native.validate_geometry()
-        return Patches(self, native.patches(max_edge=max_edge, count=count, as_is=as_is))
+        cut = {"max_edge": max_edge, "count": count, "as_is": as_is}
+        return Patches(self, native.patches(max_edge=max_edge, count=count, as_is=as_is), cut)
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:

@@ -140,7 +140,8 @@ def solve(
         solver: how the equations are solved.
         closure: "balanced" scales the rows of the exchange to their known sums within the accuracy, "exact" to 1e-9.
         max_rays: most rays per patch.
-        memory_limit: bytes that samples and operator may take (default: four fifths of what is available).
+        memory_limit: bytes that samples and operator may take (default: four fifths of what is available). With
+            ``transport``, what solving takes beside the form factors.
         threads: default: all cores. The answer does not depend on it.
         seed: the same seed gives the same bytes.
         progress: called with (done, total) some twenty times a second.
@@ -158,8 +159,9 @@ def solve(
         if transport.patches is not patches:
             raise ValueError("transport was measured on other patches; pass those patches to solve")
         native = transport._native.solve(
-            patches.reflectance, patches.emission, lamps, accuracy, solver, seed, threads, progress
-        )
+            patches.reflectance, patches.emission, lamps, accuracy, solver, seed, memory_or_most(memory_limit), threads,
+            progress,
+        )  # fmt: skip
     else:
         native = _native.solve(
             patches._enclosure, patches.reflectance, patches.emission, lamps, accuracy, seed,

@@ -27,6 +27,11 @@ pub fn solve_given(
     control: &Control,
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
+    let needed = forecast(factors, lighting);
+    if needed > settings.memory_limit {
+        let patches = factors.enclosure.patches().len();
+        return Err(Failure::Memory { patches, needed, limit: settings.memory_limit });
+    }
     let task = Task::new(factors, lighting, settings, control)?;
     let (radiosity, solver) = task.solve(&task.emission, &task.incident.mean)?;
     let irradiance = task.irradiance(&radiosity, &task.incident.mean);
@@ -62,6 +67,18 @@ pub fn solve_given(
         ..Report::default()
     };
     Ok(Solution { irradiance, radiosity, error, report, source: Source::Given(factors.clone()) })
+}
+
+/// Blocks of sides x bands that a solve holds at a time: what goes in and comes out, the vectors of a solver, and what
+/// the parts of a product are summed in.
+const BLOCKS: u64 = 40;
+
+/// Bytes that solving takes beside the form factors, which are where they are.
+fn forecast(factors: &FormFactors, lighting: &Lighting) -> u64 {
+    let sides = factors.enclosure.sides() as u64;
+    let squares = factors.standard_error.as_ref().map_or(0, |error| 12 * error.stored() as u64);
+    let samples = 16 * sides * u64::from(LIGHT_SAMPLES) * REPLICATES as u64;
+    BLOCKS * 8 * sides * lighting.bands as u64 + squares + if lighting.lamps.is_empty() { 0 } else { samples }
 }
 
 /// What stays the same through one solve. Blocks are sides x bands.

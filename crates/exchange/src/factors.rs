@@ -8,6 +8,7 @@ use crate::rows::Rows;
 use crate::samples::Samples;
 use crate::shots::{Shot, shoot};
 use radiosity_operator::{Cancelled, Control, Symmetric};
+use radiosity_store::StoreError;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -53,16 +54,15 @@ pub struct Settings {
 }
 
 /// Why there are no form factors.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// Stopped on request.
     #[error("stopped on request")]
     Cancelled,
     /// They would not fit.
     #[error(
-        "the form factors of {sides} sides may take {} and the limit is {}; raise the limit, use fewer patches, or \
-         solve without form factors",
-        bytes(*needed), bytes(*limit)
+        "the form factors of {sides} sides may take {} and the limit is {}; raise the limit, use fewer patches{}",
+        bytes(*needed), bytes(*limit), kept.remedy(*method)
     )]
     Memory {
         /// Sides.
@@ -71,7 +71,37 @@ pub enum Failure {
         needed: u64,
         /// Bytes allowed.
         limit: u64,
+        /// How.
+        method: Method,
+        /// Where they were to be.
+        kept: Kept,
     },
+    /// The file they were to be in.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+/// Where form factors are to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// In memory.
+    InMemory,
+    /// In a file.
+    InFile,
+}
+
+impl Kept {
+    /// What else can be done where memory does not suffice.
+    fn remedy(self, method: Method) -> &'static str {
+        match self {
+            Kept::InMemory if is_by_pairs(method) => {
+                ", or have them on disk: give checkpoint=, or an output that ends in .exchange"
+            }
+            Kept::InMemory => ", or solve without form factors",
+            Kept::InFile if is_by_pairs(method) => ", or fewer threads",
+            Kept::InFile => ", or a method that writes as it goes, such as auto",
+        }
+    }
 }
 
 /// A size in the unit that suits it.
@@ -115,33 +145,24 @@ pub struct FormFactors {
     pub standard_error: Option<Symmetric>,
     /// What was done.
     pub report: FactorReport,
+    /// What the numbers follow from, for files.
+    pub settings: radiosity_store::Settings,
 }
 
 /// Measures the form factors between all sides of an enclosure.
 pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control) -> Result<FormFactors, Failure> {
     let start = Instant::now();
-    let sides = enclosure.sides();
-    let needed = forecast(sides, settings.method);
-    if needed > settings.memory_limit {
-        return Err(Failure::Memory { sides, needed, limit: settings.memory_limit });
-    }
+    settings.check_memory(enclosure.sides(), Kept::InMemory)?;
     let pairs = |kernel: Kernel| -> Result<_, Failure> {
-        let settings = pairs::Settings { kernel, tolerance: settings.tolerance, seed: settings.seed };
-        let (operator, tally) = pairs::measure(&enclosure, &settings, control)?;
-        let estimated_error = tally.worst_error.max(0.5 * settings.tolerance);
-        let report = FactorReport { tally, estimated_error, disagreement: tally.disagreement, ..Default::default() };
-        Ok((operator, None, report))
+        let of_pairs = pairs::Settings { kernel, tolerance: settings.tolerance, seed: settings.seed };
+        let (operator, tally) = pairs::measure(&enclosure, &of_pairs, control)?;
+        Ok((operator, None, settings.report_of_pairs(tally)))
     };
     let (operator, standard_error, report) = match settings.method {
         Method::Auto => pairs(Kernel::Auto)?,
         Method::Analytic => pairs(Kernel::Analytic)?,
         Method::Contour => pairs(Kernel::Contour)?,
-        Method::Nusselt { points: Some(points) } => {
-            let (operator, none, report) = pairs(Kernel::Nusselt(PlaneRule::new(points)))?;
-            let samples = (points * points) as u64;
-            // Of fixed points only the disagreement of both ends is known.
-            (operator, none, FactorReport { estimated_error: report.disagreement, samples, ..report })
-        }
+        Method::Nusselt { points: Some(points) } => pairs(Kernel::Nusselt(PlaneRule::new(points)))?,
         Method::Nusselt { points: None } => {
             let mut points = 2;
             let mut before = pairs(Kernel::Nusselt(PlaneRule::new(points)))?;
@@ -162,7 +183,48 @@ pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control
         Method::MonteCarlo { rays } => by_rays(&enclosure, rays, settings.seed, control)?,
     };
     let report = FactorReport { seconds: start.elapsed().as_secs_f64(), ..report };
-    Ok(FormFactors { enclosure, operator, standard_error, report })
+    let named = settings.named(enclosure.patches());
+    Ok(FormFactors { enclosure, operator, standard_error, report, settings: named })
+}
+
+/// Whether a method measures pair by pair, once.
+pub(crate) fn is_by_pairs(method: Method) -> bool {
+    !matches!(method, Method::Nusselt { points: None } | Method::Hemicube { .. } | Method::MonteCarlo { .. })
+}
+
+impl Settings {
+    /// What is asked of pairs, where they are measured one by one.
+    pub(crate) fn of_pairs(&self) -> Option<pairs::Settings> {
+        let kernel = match self.method {
+            Method::Auto => Kernel::Auto,
+            Method::Analytic => Kernel::Analytic,
+            Method::Contour => Kernel::Contour,
+            Method::Nusselt { points: Some(points) } => Kernel::Nusselt(PlaneRule::new(points)),
+            _ => return None,
+        };
+        Some(pairs::Settings { kernel, tolerance: self.tolerance, seed: self.seed })
+    }
+
+    /// What is said of pairs that were measured one by one.
+    pub(crate) fn report_of_pairs(&self, tally: Tally) -> FactorReport {
+        let disagreement = tally.disagreement;
+        let (estimated_error, samples) = match self.method {
+            // Of fixed points only the disagreement of both ends is known.
+            Method::Nusselt { points: Some(points) } => (disagreement, (points * points) as u64),
+            _ => (tally.worst_error.max(0.5 * self.tolerance), 0),
+        };
+        FactorReport { tally, estimated_error, disagreement, samples, seconds: 0.0 }
+    }
+
+    /// Refuses what may take more memory than allowed.
+    pub(crate) fn check_memory(&self, sides: usize, kept: Kept) -> Result<(), Failure> {
+        let Settings { method, memory_limit: limit, .. } = *self;
+        let needed = match kept {
+            Kept::InFile if is_by_pairs(method) => pairs::least_forecast(sides, rayon::current_num_threads()),
+            _ => forecast(sides, method),
+        };
+        if needed <= limit { Ok(()) } else { Err(Failure::Memory { sides, needed, limit, method, kept }) }
+    }
 }
 
 /// Nusselt's analog stops at so many points in each direction, whatever the tolerance.

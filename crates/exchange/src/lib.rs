@@ -15,6 +15,7 @@ pub mod rows;
 pub mod samples;
 pub mod shots;
 pub mod smoothing;
+pub mod stored;
 pub mod visibility;
 
 pub use elements::Elements;

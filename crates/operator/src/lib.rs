@@ -11,6 +11,7 @@ pub use control::{Cancelled, Control};
 pub use csr::Csr;
 pub use dense::Dense;
 pub use hierarchical::{Hierarchical, Part};
+pub use radiosity_store::Numbers;
 pub use symmetric::{Block, Precision, Symmetric};
 
 /// A symmetric linear operator on vectors with one entry per element, applied to many columns at once.

@@ -1,6 +1,7 @@
 //! A symmetric matrix without diagonal, each pair stored once.
 
 use crate::Operator;
+use radiosity_store::{Numbers, Section, Sections, StoreError, Stored};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -13,6 +14,8 @@ pub struct Symmetric {
     /// Position in the matrix -> number. Numbers that are missing have empty rows.
     order: Vec<u32>,
     blocks: Vec<Block>,
+    /// Whether blocks that are mapped are let go of after each use.
+    is_frugal: bool,
 }
 
 /// Consecutive rows: of row p the columns above p.
@@ -25,11 +28,11 @@ pub struct Block {
 #[derive(Clone, Debug)]
 enum Entries {
     /// Row after row, all columns above the diagonal.
-    Dense(Vec<f64>),
+    Dense(Numbers<f64>),
     /// The same in single precision.
-    Single(Vec<f32>),
+    Single(Numbers<f32>),
     /// Compressed rows.
-    Sparse { offsets: Vec<usize>, columns: Vec<u32>, values: Vec<f64> },
+    Sparse { offsets: Numbers<u64>, columns: Numbers<u32>, values: Numbers<f64> },
 }
 
 /// How exactly dense blocks are kept.
@@ -55,24 +58,103 @@ impl Symmetric {
     /// # Panics
     /// If the blocks do not cover all positions.
     pub fn from_blocks(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Self {
-        let covered = blocks.iter().fold(0, |next, b| if b.rows.start == next { b.rows.end } else { usize::MAX });
-        assert_eq!(covered, order.len(), "blocks cover all rows in order");
-        Self { len, order, blocks }
+        let joined = Self { len, order, blocks, is_frugal: false };
+        if let Err(what) = joined.check_shape() {
+            panic!("{what}");
+        }
+        joined
+    }
+
+    /// The same of blocks out of a file, in which anything may be.
+    ///
+    /// # Errors
+    /// If order and blocks do not fit each other, in words. Indices within sparse blocks are left to
+    /// [`Symmetric::check_indices`], as that reads them all.
+    pub fn from_stored(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Result<Self, String> {
+        let joined = Self { len, order, blocks, is_frugal: false };
+        joined.check_shape()?;
+        Ok(joined)
+    }
+
+    fn check_shape(&self) -> Result<(), String> {
+        let n = self.order.len();
+        let mut seen = vec![false; self.len];
+        for &number in &self.order {
+            match seen.get_mut(number as usize) {
+                Some(seen) if !*seen => *seen = true,
+                _ => return Err(format!("{number} is no number of a row, or stands twice in their order")),
+            }
+        }
+        let mut next = 0;
+        for block in &self.blocks {
+            if block.rows.start != next || block.rows.end < next || block.rows.end > n {
+                return Err("blocks do not cover all rows in order".into());
+            }
+            next = block.rows.end;
+            block.check_shape(n)?;
+        }
+        if next == n { Ok(()) } else { Err("blocks do not cover all rows in order".into()) }
+    }
+
+    /// The same, of which no more stays in memory than is at work, where it is in a mapped file: each use of a block
+    /// finds its pages anew.
+    pub fn frugal(self) -> Self {
+        Self { is_frugal: true, ..self }
+    }
+
+    /// After a use of a block.
+    fn done_with(&self, block: &Block) {
+        if self.is_frugal {
+            block.entries.release();
+        }
+    }
+
+    /// Checks that all columns of sparse blocks are within the matrix, above the diagonal and ascend. Reads them all.
+    ///
+    /// # Errors
+    /// If one is not, in words. What is read of such a matrix panics or is wrong.
+    pub fn check_indices(&self) -> Result<(), String> {
+        self.blocks.par_iter().try_for_each(|block| {
+            let checked = block.check_indices(self.order.len());
+            self.done_with(block);
+            checked
+        })
+    }
+
+    /// The blocks, in order.
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// Position in the matrix -> number.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// The number of entries that are not zero, both triangles.
+    pub fn count(&self) -> usize {
+        let count = |block: &Block| {
+            let count = block.entries.not_zero();
+            self.done_with(block);
+            count
+        };
+        2 * self.blocks.par_iter().map(count).sum::<usize>()
     }
 
     /// As one block: for each position of `rows` its entries above the diagonal, columns ascending.
     pub fn from_sparse_rows(rows: &[Vec<(u32, f64)>]) -> Self {
-        let mut offsets = vec![0];
+        let mut offsets = vec![0u64];
         for row in rows {
-            offsets.push(offsets.last().unwrap() + row.len());
+            offsets.push(offsets.last().unwrap() + row.len() as u64);
         }
         let entries = Entries::Sparse {
-            offsets,
+            offsets: offsets.into(),
             columns: rows.iter().flatten().map(|e| e.0).collect(),
             values: rows.iter().flatten().map(|e| e.1).collect(),
         };
         // Several blocks let several threads work on a product.
-        Self { len: rows.len(), order: (0..rows.len() as u32).collect(), blocks: entries.divided(rows.len()) }
+        let order = (0..rows.len() as u32).collect();
+        Self { len: rows.len(), order, blocks: entries.divided(rows.len()), is_frugal: false }
     }
 
     /// The number of pairs stored.
@@ -98,6 +180,7 @@ impl Symmetric {
                     visit(self.order[p] as usize, self.order[q] as usize, v);
                 }
             });
+            self.done_with(block);
         }
     }
 
@@ -196,7 +279,10 @@ impl Symmetric {
             .into_par_iter()
             .map(|group| {
                 let mut sum = vec![[0.0; C]; n];
-                self.blocks[group].iter().for_each(|block| block.add_product(n, &x, &mut sum));
+                for block in &self.blocks[group] {
+                    block.add_product(n, &x, &mut sum);
+                    self.done_with(block);
+                }
                 sum
             })
             .collect();
@@ -231,11 +317,30 @@ impl Entries {
         }
     }
 
+    fn not_zero(&self) -> usize {
+        match self {
+            Entries::Dense(values) | Entries::Sparse { values, .. } => values.iter().filter(|v| **v != 0.0).count(),
+            Entries::Single(values) => values.iter().filter(|v| **v != 0.0).count(),
+        }
+    }
+
+    fn release(&self) {
+        match self {
+            Entries::Dense(values) => values.release(),
+            Entries::Single(values) => values.release(),
+            Entries::Sparse { offsets, columns, values } => {
+                offsets.release();
+                columns.release();
+                values.release();
+            }
+        }
+    }
+
     /// Replaces all values, in double precision.
     fn set_values(&mut self, new: Vec<f64>) {
         match self {
-            Entries::Sparse { values, .. } => *values = new,
-            dense => *dense = Entries::Dense(new),
+            Entries::Sparse { values, .. } => *values = new.into(),
+            dense => *dense = Entries::Dense(new.into()),
         }
     }
 
@@ -246,11 +351,11 @@ impl Entries {
         let part = |first: usize| {
             let rows = first..(first + step).min(rows);
             let base = offsets[rows.start];
-            let range = base..offsets[rows.end];
+            let range = base as usize..offsets[rows.end] as usize;
             let entries = Entries::Sparse {
                 offsets: offsets[rows.start..=rows.end].iter().map(|o| o - base).collect(),
-                columns: columns[range.clone()].to_vec(),
-                values: values[range].to_vec(),
+                columns: columns[range.clone()].to_vec().into(),
+                values: values[range].to_vec().into(),
             };
             Block { rows, entries }
         };
@@ -266,12 +371,12 @@ impl Block {
         if filled as f64 >= sparse_below(precision) * values.len() as f64 {
             let entries = match precision {
                 Precision::Single => Entries::Single(values.iter().map(|v| *v as f32).collect()),
-                Precision::Double => Entries::Dense(values.to_vec()),
+                Precision::Double => Entries::Dense(values.to_vec().into()),
             };
             return Self { rows, entries };
         }
         let (mut offsets, mut columns, mut kept) =
-            (vec![0], Vec::with_capacity(filled as usize), Vec::with_capacity(filled as usize));
+            (vec![0u64], Vec::with_capacity(filled as usize), Vec::with_capacity(filled as usize));
         let mut rest = values;
         for p in rows.clone() {
             let (row, after) = rest.split_at(n - 1 - p);
@@ -279,10 +384,44 @@ impl Block {
                 columns.push((p + 1 + k) as u32);
                 kept.push(v);
             }
-            offsets.push(columns.len());
+            offsets.push(columns.len() as u64);
             rest = after;
         }
-        Self { rows, entries: Entries::Sparse { offsets, columns, values: kept } }
+        let entries = Entries::Sparse { offsets: offsets.into(), columns: columns.into(), values: kept.into() };
+        Self { rows, entries }
+    }
+
+    /// Checks the lengths of the arrays, for a matrix of `n` rows.
+    fn check_shape(&self, n: usize) -> Result<(), String> {
+        let Range { start, end } = self.rows;
+        let fits = match &self.entries {
+            Entries::Sparse { offsets, columns, values } => {
+                offsets.len() == end - start + 1
+                    && offsets.first() == Some(&0)
+                    && offsets.last() == Some(&(values.len() as u64))
+                    && columns.len() == values.len()
+            }
+            dense => dense.len() == self.rows.clone().map(|p| n - 1 - p).sum::<usize>(),
+        };
+        if fits { Ok(()) } else { Err(format!("the arrays of rows {start} to {end} do not fit each other")) }
+    }
+
+    fn check_indices(&self, n: usize) -> Result<(), String> {
+        let Entries::Sparse { offsets, columns, .. } = &self.entries else { return Ok(()) };
+        let (offsets, columns): (&[u64], &[u32]) = (offsets, columns);
+        for (p, bounds) in self.rows.clone().zip(offsets.windows(2)) {
+            // Rows that overlap or lie outside have no slice.
+            let row = columns.get(bounds[0] as usize..bounds[1] as usize);
+            let is_sound = row.is_some_and(|row| {
+                row.first().is_none_or(|&q| q as usize > p)
+                    && row.last().is_none_or(|&q| (q as usize) < n)
+                    && row.windows(2).all(|pair| pair[0] < pair[1])
+            });
+            if !is_sound {
+                return Err(format!("the columns of row {p} are out of bounds or order"));
+            }
+        }
+        Ok(())
     }
 
     /// Where row `p` starts among dense values.
@@ -308,9 +447,8 @@ impl Block {
             }
             Entries::Sparse { offsets, columns, values } => {
                 let row = p - self.rows.start;
-                for k in offsets[row]..offsets[row + 1] {
-                    visit(columns[k] as usize, values[k]);
-                }
+                let range = offsets[row] as usize..offsets[row + 1] as usize;
+                columns[range.clone()].iter().zip(&values[range]).for_each(|(&q, &v)| visit(q as usize, v));
             }
         }
     }
@@ -328,7 +466,7 @@ impl Block {
             Entries::Single(values) => f64::from(values[self.start(n, p) + q - p - 1]),
             Entries::Sparse { offsets, columns, values } => {
                 let row = p - self.rows.start;
-                let range = offsets[row]..offsets[row + 1];
+                let range = offsets[row] as usize..offsets[row + 1] as usize;
                 columns[range.clone()].binary_search(&(q as u32)).map_or(0.0, |k| values[range.start + k])
             }
         }
@@ -357,6 +495,44 @@ impl Block {
             }
             (0..C).for_each(|c| y[p][c] += sum[c]);
         }
+    }
+}
+
+/// How files name the ways in which entries are kept.
+const DENSE: u64 = 1;
+const SINGLE: u64 = 2;
+const SPARSE: u64 = 3;
+
+/// First row, row after the last, way; then the arrays.
+impl Stored for Block {
+    fn sections(&self) -> Vec<Section<'_>> {
+        let (way, arrays) = match &self.entries {
+            Entries::Dense(values) => (DENSE, vec![Section::of(values)]),
+            Entries::Single(values) => (SINGLE, vec![Section::of(values)]),
+            Entries::Sparse { offsets, columns, values } => {
+                (SPARSE, vec![Section::of(offsets), Section::of(columns), Section::of(values)])
+            }
+        };
+        let mut sections = vec![Section::owned(&[self.rows.start as u64, self.rows.end as u64, way])];
+        sections.extend(arrays);
+        sections
+    }
+
+    fn from_sections(sections: &mut Sections<'_>) -> Result<Self, StoreError> {
+        let [start, end, way] = sections.take_few::<u64, 3>()?;
+        let entries = match way {
+            DENSE => Entries::Dense(sections.take()?),
+            SINGLE => Entries::Single(sections.take()?),
+            SPARSE => {
+                Entries::Sparse { offsets: sections.take()?, columns: sections.take()?, values: sections.take()? }
+            }
+            _ => return Err(sections.damaged(format!("entries are kept in an unknown way, {way}"))),
+        };
+        // Rows past u32 have no number, so that sums of lengths cannot overflow.
+        if start > end || end > u64::from(u32::MAX) {
+            return Err(sections.damaged(format!("rows {start} to {end}")));
+        }
+        Ok(Self { rows: start as usize..end as usize, entries })
     }
 }
 

@@ -8,8 +8,8 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes, Text, WritableImage,
 };
 
-use crate::files::{FileError, Output, atomic_write, invalid};
 use crate::{Image, Rgb8};
+use radiosity_store::files::{FileError, Output, atomic_write, invalid};
 
 /// Writes a picture as PNG, marked as sRGB.
 ///

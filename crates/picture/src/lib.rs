@@ -3,7 +3,6 @@
 //! Values come in as plain slices, one entry per patch and band: this crate solves nothing. Text within pictures is
 //! deliberately absent; whoever draws legends has fonts.
 
-pub mod files;
 pub mod image;
 pub mod image_files;
 pub mod lit;
@@ -14,10 +13,10 @@ mod test_scenes;
 pub mod tone;
 pub mod vtp;
 
-pub use files::{FileError, atomic_write};
 pub use image::{Image, Rgb8};
 pub use image_files::{write_exr, write_png};
 pub use lit::{LitData, LitModel, LitSurface, read_lit, write_lit};
+pub use radiosity_store::files::{FileError, atomic_write};
 pub use reconstruction::Smoother;
 pub use render::{RenderSettings, Shading, render};
 pub use tone::{ColourMap, ColourScale, Exposure, ToneCurve};

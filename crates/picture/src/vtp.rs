@@ -12,7 +12,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::LitModel;
-use crate::files::{FileError, atomic_write};
+use radiosity_store::files::{FileError, atomic_write};
 
 /// Writes a solution as VTK PolyData.
 ///

@@ -1,6 +1,6 @@
 //! Form factors as an operator.
 
-use crate::patches::Enclosure;
+use crate::patches::{Enclosure, Patches};
 use crate::scene::LightTuple;
 use crate::solution::{Solution, lighting_in, settings};
 use crate::{convert, errors, watch};
@@ -9,22 +9,102 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use radiosity_exchange::factors::{FormFactors, Method, Settings, measure};
+use radiosity_exchange::stored::{self, StoredFactors};
 use radiosity_exchange::{Rows, factors, smoothing};
 use radiosity_operator::{Operator, Symmetric};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The exchange between the fronts of patches (and the backs of two-sided ones, numbered after them).
 #[pyclass(frozen, module = "radiosity._native")]
 pub struct Factors {
-    inner: Arc<FormFactors>,
+    inner: Held,
 }
+
+/// Where they are.
+enum Held {
+    InMemory(Arc<FormFactors>),
+    InFile(StoredFactors),
+}
+
+impl Factors {
+    fn in_memory(factors: FormFactors) -> Self {
+        Self { inner: Held::InMemory(Arc::new(factors)) }
+    }
+
+    /// For sizes and reports.
+    fn unchecked(&self) -> &Arc<FormFactors> {
+        match &self.inner {
+            Held::InMemory(factors) => factors,
+            Held::InFile(stored) => stored.unchecked(),
+        }
+    }
+
+    /// For numbers: those of a file are checked when they are used for the first time.
+    fn checked(&self, py: Python<'_>) -> PyResult<&Arc<FormFactors>> {
+        match &self.inner {
+            Held::InMemory(factors) => Ok(factors),
+            Held::InFile(stored) => py.detach(|| stored.checked()).map_err(errors::store),
+        }
+    }
+}
+
+/// An open file of form factors.
+#[pyclass(module = "radiosity._native")]
+pub struct ExchangeFile {
+    /// None once it has become form factors.
+    inner: Option<stored::ExchangeFile>,
+}
+
+#[pymethods]
+impl ExchangeFile {
+    /// Maps a file and checks its structure, and all of its checksums if asked to.
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf, verify: bool) -> PyResult<Self> {
+        let opened = watch::run(py, None, None, |_| stored::ExchangeFile::open(&path, verify))?;
+        Ok(Self { inner: Some(opened.map_err(errors::store)?) })
+    }
+
+    /// The patches that the form factors are between.
+    #[getter]
+    fn patches(&self) -> PyResult<Patches> {
+        Ok(Patches { inner: Arc::new(self.get()?.patches().clone()) })
+    }
+
+    /// The text that was saved with them.
+    #[getter]
+    fn description(&self) -> PyResult<&str> {
+        Ok(self.get()?.description())
+    }
+
+    /// The form factors, on an enclosure of the same patches; the file is used up.
+    fn factors(&mut self, enclosure: &Enclosure, memory_limit: u64) -> PyResult<Factors> {
+        self.get()?;
+        let file = self.inner.take().expect("there is one");
+        let stored = file.on(enclosure.inner.clone(), memory_limit).map_err(errors::store)?;
+        Ok(Factors { inner: Held::InFile(stored) })
+    }
+}
+
+impl ExchangeFile {
+    fn get(&self) -> PyResult<&stored::ExchangeFile> {
+        self.inner.as_ref().ok_or_else(|| PyValueError::new_err("the file has become form factors already"))
+    }
+}
+
+/// Columns and values.
+type Row<'py> = (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>);
 
 /// Compressed rows: offsets, columns, values.
 type Csr<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>);
 
 /// Measures the form factors between all sides.
+///
+/// With a checkpoint, `(path, description)`, onto a file, or on from where that was cut off.
 #[pyfunction]
-#[pyo3(signature = (enclosure, method, tolerance, samples, resolution, seed, memory_limit, threads=None, progress=None))]
+#[pyo3(signature = (
+    enclosure, method, tolerance, samples, resolution, seed, memory_limit, checkpoint=None, threads=None, progress=None
+))]
 pub fn form_factors(
     py: Python<'_>,
     enclosure: &Enclosure,
@@ -34,14 +114,20 @@ pub fn form_factors(
     resolution: usize,
     seed: u64,
     memory_limit: u64,
+    checkpoint: Option<(PathBuf, String)>,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Factors> {
     let method = method_in(method, samples, resolution)?;
     let settings = Settings { method, tolerance, seed, memory_limit };
     let enclosure = enclosure.inner.clone();
-    let result = watch::run(py, threads, progress.as_ref(), |control| measure(enclosure, &settings, control))?;
-    Ok(Factors { inner: Arc::new(result.map_err(errors::factors)?) })
+    let result = watch::run(py, threads, progress.as_ref(), |control| match &checkpoint {
+        None => measure(enclosure, &settings, control).map(|factors| Held::InMemory(Arc::new(factors))),
+        Some((path, description)) => {
+            stored::measure_onto(path, description, enclosure, &settings, control).map(Held::InFile)
+        }
+    })?;
+    Ok(Factors { inner: result.map_err(errors::factors)? })
 }
 
 /// Form factors as they were: `values` are F in compressed rows.
@@ -70,8 +156,14 @@ pub fn given_factors(
     let rows = Rows::from_rows((0..sides).map(row).collect());
     let (operator, disagreement) = factors::symmetric(&enclosure.inner, &rows);
     let report = factors::FactorReport { disagreement, estimated_error: disagreement, ..Default::default() };
-    let inner = FormFactors { enclosure: enclosure.inner.clone(), operator, standard_error: None, report };
-    Ok(Factors { inner: Arc::new(inner) })
+    let settings = stored::given(&enclosure.inner, &operator);
+    Ok(Factors::in_memory(FormFactors {
+        enclosure: enclosure.inner.clone(),
+        operator,
+        standard_error: None,
+        report,
+        settings,
+    }))
 }
 
 fn method_in(name: &str, samples: Option<u32>, resolution: usize) -> PyResult<Method> {
@@ -90,57 +182,73 @@ fn method_in(name: &str, samples: Option<u32>, resolution: usize) -> PyResult<Me
 impl Factors {
     /// The number of sides.
     fn __len__(&self) -> usize {
-        self.inner.operator.len()
+        self.unchecked().operator.len()
     }
 
     /// The patch of each side.
     #[getter]
     fn patch<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        let patches: Vec<u32> =
-            (0..self.inner.enclosure.sides()).map(|s| self.inner.enclosure.patch_of(s) as u32).collect();
+        let enclosure = &self.unchecked().enclosure;
+        let patches: Vec<u32> = (0..enclosure.sides()).map(|s| enclosure.patch_of(s) as u32).collect();
         convert::vector_out(py, &patches)
     }
 
     /// `G x` for a block of columns, m2.
     fn exchange<'py>(&self, py: Python<'py>, x: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let operator = &self.checked(py)?.operator;
         let columns = x.as_array().ncols();
-        let x = convert::block_in(&x, self.inner.operator.len(), columns, "x")?;
+        let x = convert::block_in(&x, operator.len(), columns, "x")?;
         let mut y = vec![0.0; x.len()];
-        py.detach(|| self.inner.operator.apply(&x, &mut y, columns));
+        py.detach(|| operator.apply(&x, &mut y, columns));
         Ok(convert::block_out(py, y, columns))
     }
 
     /// The entries of row `i` of G: columns and values.
-    fn row<'py>(&self, py: Python<'py>, i: usize) -> (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>) {
-        let row = self.inner.operator.row(i);
+    fn row<'py>(&self, py: Python<'py>, i: usize) -> PyResult<Row<'py>> {
+        let row = self.checked(py)?.operator.row(i);
         let columns: Vec<u32> = row.iter().map(|e| e.0).collect();
         let values: Vec<f64> = row.iter().map(|e| e.1).collect();
-        (convert::vector_out(py, &columns), convert::vector_out(py, &values))
+        Ok((convert::vector_out(py, &columns), convert::vector_out(py, &values)))
     }
 
     /// All of F as compressed rows.
-    fn csr<'py>(&self, py: Python<'py>) -> Csr<'py> {
-        self.rows_of(py, &self.inner.operator)
+    fn csr<'py>(&self, py: Python<'py>) -> PyResult<Csr<'py>> {
+        let factors = self.checked(py)?;
+        Ok(rows_of(py, &factors.operator, factors))
+    }
+
+    /// The number of factors above zero.
+    fn count(&self, py: Python<'_>) -> PyResult<usize> {
+        let factors = self.checked(py)?;
+        Ok(py.detach(|| factors.operator.count()))
     }
 
     /// The standard errors of F as compressed rows, where rays found it.
-    fn standard_error<'py>(&self, py: Python<'py>) -> Option<Csr<'py>> {
-        self.inner.standard_error.as_ref().map(|error| self.rows_of(py, error))
+    fn standard_error<'py>(&self, py: Python<'py>) -> PyResult<Option<Csr<'py>>> {
+        let factors = self.checked(py)?;
+        Ok(factors.standard_error.as_ref().map(|error| rows_of(py, error, factors)))
     }
 
     /// F as a dense matrix.
-    fn dense<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        let n = self.inner.operator.len();
+    fn dense<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let factors = self.checked(py)?;
+        let n = factors.operator.len();
         let values = py.detach(|| {
             let mut values = vec![0.0; n * n];
-            let inverse: Vec<f64> = (0..n).map(|i| 1.0 / self.inner.enclosure.area(i)).collect();
-            self.inner.operator.for_each_pair(|i, j, g| {
+            let inverse: Vec<f64> = (0..n).map(|i| 1.0 / factors.enclosure.area(i)).collect();
+            factors.operator.for_each_pair(|i, j, g| {
                 values[i * n + j] = g * inverse[i];
                 values[j * n + i] = g * inverse[j];
             });
             values
         });
-        convert::block_out(py, values, n)
+        Ok(convert::block_out(py, values, n))
+    }
+
+    /// Writes them to a file that appears when it is whole, with a description.
+    fn save(&self, py: Python<'_>, path: PathBuf, description: &str) -> PyResult<()> {
+        let factors = self.checked(py)?;
+        py.detach(|| stored::save(&path, description, factors)).map_err(errors::store)
     }
 
     /// Form factors whose rows sum to `wanted`, and the worst relative deviation that is left.
@@ -152,28 +260,31 @@ impl Factors {
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(Factors, f64)> {
-        let enclosure = &self.inner.enclosure;
+        let inner = self.checked(py)?;
+        let enclosure = &inner.enclosure;
         if wanted.len() != enclosure.sides() {
             return Err(PyValueError::new_err(format!("give one row sum for each of {} sides", enclosure.sides())));
         }
         let sums: Vec<f64> = wanted.iter().enumerate().map(|(i, w)| w * enclosure.area(i)).collect();
         let result = watch::run(py, threads, progress.as_ref(), |control| {
-            let variance = self.inner.standard_error.as_ref().map(|error| error.mapped(|_, _, e| e * e));
-            smoothing::with_row_sums(&self.inner.operator, variance.as_ref(), &sums, control)
+            let variance = inner.standard_error.as_ref().map(|error| error.mapped(|_, _, e| e * e));
+            smoothing::with_row_sums(&inner.operator, variance.as_ref(), &sums, control)
         })?;
         let (operator, left) = result.map_err(|c| errors::factors(c.into()))?;
-        let inner = FormFactors {
+        let factors = FormFactors {
             enclosure: enclosure.clone(),
+            settings: stored::given(enclosure, &operator),
             operator,
-            standard_error: self.inner.standard_error.clone(),
-            report: self.inner.report,
+            standard_error: inner.standard_error.clone(),
+            report: inner.report,
         };
-        Ok((Factors { inner: Arc::new(inner) }, left))
+        Ok((Factors::in_memory(factors), left))
     }
 
     /// What was done and how wrong it may be.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (r, d) = (&self.inner.report, PyDict::new(py));
+        let factors = self.unchecked();
+        let (r, d) = (&factors.report, PyDict::new(py));
         d.set_item("estimated_error", r.estimated_error)?;
         d.set_item("disagreement", r.disagreement)?;
         d.set_item("samples", r.samples)?;
@@ -184,13 +295,15 @@ impl Factors {
         d.set_item("by_contour", r.tally.by_contour)?;
         d.set_item("by_rays", r.tally.by_rays)?;
         d.set_item("unresolved", r.tally.unresolved)?;
-        d.set_item("memory_bytes", self.inner.operator.memory_bytes())?;
+        d.set_item("memory_bytes", factors.operator.memory_bytes())?;
         d.set_item("seconds", r.seconds)?;
         Ok(d)
     }
 
     /// Solves `B = E + rho F B` on these form factors as they are.
-    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, seed, threads=None, progress=None))]
+    #[pyo3(signature = (
+        reflectance, emission, lamps, accuracy, method, seed, memory_limit, threads=None, progress=None
+    ))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -200,29 +313,29 @@ impl Factors {
         accuracy: f64,
         method: &str,
         seed: u64,
+        memory_limit: u64,
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
-        let settings = settings(accuracy, seed, 0, u64::MAX, method, true)?;
-        let lighting = lighting_in(&self.inner.enclosure, reflectance, emission, lamps)?;
+        let settings = settings(accuracy, seed, 0, memory_limit, method, true)?;
+        let factors = self.checked(py)?;
+        let lighting = lighting_in(&factors.enclosure, reflectance, emission, lamps)?;
         let result = watch::run(py, threads, progress.as_ref(), |control| {
-            radiosity_equilibrium::solve_given(&self.inner, &lighting, &settings, control)
+            radiosity_equilibrium::solve_given(factors, &lighting, &settings, control)
         })?;
         Solution::new(result, lighting.bands)
     }
 }
 
-impl Factors {
-    fn rows_of<'py>(&self, py: Python<'py>, operator: &Symmetric) -> Csr<'py> {
-        let (offsets, columns, values) = py.detach(|| {
-            let (offsets, columns, mut values) = operator.to_csr();
-            for i in 0..operator.len() {
-                let inverse = 1.0 / self.inner.enclosure.area(i);
-                values[offsets[i]..offsets[i + 1]].iter_mut().for_each(|v| *v *= inverse);
-            }
-            (offsets.iter().map(|&o| o as i64).collect::<Vec<_>>(), columns, values)
-        });
-        use numpy::IntoPyArray;
-        (offsets.into_pyarray(py), columns.into_pyarray(py), values.into_pyarray(py))
-    }
+fn rows_of<'py>(py: Python<'py>, operator: &Symmetric, factors: &FormFactors) -> Csr<'py> {
+    let (offsets, columns, values) = py.detach(|| {
+        let (offsets, columns, mut values) = operator.to_csr();
+        for i in 0..operator.len() {
+            let inverse = 1.0 / factors.enclosure.area(i);
+            values[offsets[i]..offsets[i + 1]].iter_mut().for_each(|v| *v *= inverse);
+        }
+        (offsets.iter().map(|&o| o as i64).collect::<Vec<_>>(), columns, values)
+    });
+    use numpy::IntoPyArray;
+    (offsets.into_pyarray(py), columns.into_pyarray(py), values.into_pyarray(py))
 }

@@ -22,6 +22,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<patches::Enclosure>()?;
     module.add_class::<solution::Solution>()?;
     module.add_class::<factors::Factors>()?;
+    module.add_class::<factors::ExchangeFile>()?;
     module.add_class::<teaching::ItemBuffer>()?;
     module.add("SceneError", module.py().get_type::<errors::SceneError>())?;
     module.add("ResourceError", module.py().get_type::<errors::ResourceError>())?;

@@ -2,14 +2,14 @@
 
 use crate::patches::Patches;
 use crate::scene::{CameraTuple, camera_in, camera_out};
-use crate::{convert, watch};
+use crate::{convert, errors, watch};
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
-use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyValueError};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use radiosity_picture::{
-    ColourMap, ColourScale, Exposure, FileError, Image, LitModel, LitSurface, RenderSettings, Shading, Smoother,
-    ToneCurve, reconstruction, tone,
+    ColourMap, ColourScale, Exposure, Image, LitModel, LitSurface, RenderSettings, Shading, Smoother, ToneCurve,
+    reconstruction, tone,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -28,20 +28,6 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 type SurfaceTuple = (String, String, Vec<f64>, bool);
 /// Emission, irradiance, radiosity, error.
 type BlocksIn<'py> = [PyReadonlyArray2<'py, f64>; 4];
-
-/// An `OSError` with number, text and file as the interpreter's own.
-fn file_error(error: FileError) -> PyErr {
-    let path = error.path.display().to_string();
-    match error.source.raw_os_error() {
-        Some(code) => PyOSError::new_err((code, describe(&error.source), path)),
-        None => PyOSError::new_err(error.to_string()),
-    }
-}
-
-fn describe(error: &std::io::Error) -> String {
-    let text = error.to_string();
-    text.split(" (os error").next().unwrap_or(&text).to_string()
-}
 
 struct Lit {
     patches: Arc<radiosity_geometry::Patches>,
@@ -107,7 +93,7 @@ fn write_lit(
     report: String,
 ) -> PyResult<()> {
     let lit = Lit::new(patches, surfaces, bands, blocks, cameras, report)?;
-    py.detach(|| radiosity_picture::write_lit(&path, &lit.model())).map_err(file_error)
+    py.detach(|| radiosity_picture::write_lit(&path, &lit.model())).map_err(errors::file)
 }
 
 /// Writes a lit model as VTK PolyData.
@@ -123,7 +109,7 @@ fn write_vtp(
     report: String,
 ) -> PyResult<()> {
     let lit = Lit::new(patches, surfaces, bands, blocks, cameras, report)?;
-    py.detach(|| radiosity_picture::write_vtp(&path, &lit.model())).map_err(file_error)
+    py.detach(|| radiosity_picture::write_vtp(&path, &lit.model())).map_err(errors::file)
 }
 
 type LitTuple<'py> =
@@ -132,7 +118,7 @@ type LitTuple<'py> =
 /// Reads a lit model; `None` if the file is a glTF without a solution.
 #[pyfunction]
 fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
-    let Some(lit) = py.detach(|| radiosity_picture::read_lit(&path)).map_err(file_error)? else {
+    let Some(lit) = py.detach(|| radiosity_picture::read_lit(&path)).map_err(errors::file)? else {
         return Ok(None);
     };
     let bands = lit.bands.len();
@@ -215,7 +201,7 @@ fn write_png(
         let picture = tone::developed(&image, exposure.factor(&image), curve);
         radiosity_picture::write_png(&path, &picture)
     })
-    .map_err(file_error)
+    .map_err(errors::file)
 }
 
 /// Writes the mean over bands in false colours and returns the values of the first and the last colour.
@@ -231,7 +217,7 @@ fn write_false_colours(
     let automatic = ColourScale::automatic(&image, false);
     let scale = ColourScale { low: low.unwrap_or(automatic.low), high: high.unwrap_or(automatic.high), ..automatic };
     let picture = tone::false_colours(&image, &scale, ColourMap::default());
-    radiosity_picture::write_png(&path, &picture).map_err(file_error)?;
+    radiosity_picture::write_png(&path, &picture).map_err(errors::file)?;
     Ok((scale.low, scale.high))
 }
 
@@ -239,5 +225,5 @@ fn write_false_colours(
 #[pyfunction]
 fn write_exr(py: Python<'_>, path: PathBuf, image: PyReadonlyArray3<'_, f32>, bands: Vec<String>) -> PyResult<()> {
     let image = image_in(&image);
-    py.detach(|| radiosity_picture::write_exr(&path, &image, &bands)).map_err(file_error)
+    py.detach(|| radiosity_picture::write_exr(&path, &image, &bands)).map_err(errors::file)
 }

@@ -84,7 +84,7 @@ def summarise(file: str, f: FormFactors, surfaces: SurfaceFactors | None, enclos
     sums = float(closure.min()), diagnosis.mean_closure(f), float(closure.max())
     closed = diagnosis.is_enclosure(f) if enclosure is None else enclosure
     findings = diagnosis.of(f, enclosure=enclosure) + _unused_hints(f.patches.scene)
-    entries = int(f.to_scipy_sparse().nnz)
+    entries = f.count()
     return Summary(f, surfaces, entries, sums, diagnosis.farthest(f), closed, findings, file)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -15,7 +16,7 @@ from radiosity.cli.progress import Bar
 if TYPE_CHECKING:
     from radiosity import FormFactors, Patches, SurfaceFactors
 
-SUFFIXES = (".npz", ".csv")
+SUFFIXES = (".npz", ".csv", ".exchange")
 
 FACES_ARE_PATCHES = (".stl", ".ply", ".vs3")
 """Files whose faces are the patches that their authors want factors between."""
@@ -24,7 +25,12 @@ By = Literal["patch", "surface"]
 
 Outputs = Annotated[
     list[Path] | None,
-    typer.Option("--output", "-o", metavar="FILE", help="Where to save: .npz or .csv; may be repeated."),
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="Where to save: .npz, .csv, or .exchange, which is measured onto and resumed; may be repeated.",
+    ),
 ]
 Method = Annotated[
     str, typer.Option(help="How they are found: auto, analytic, contour, nusselt, hemicube or monte_carlo.")
@@ -119,7 +125,12 @@ def factors(
 
     A saved .npz opens with scipy.sparse.load_npz; numpy.load shows area, centre, normal, surface, face and closure too.
     With --by surface its arrays are names, area and F.
+
+    An .exchange holds factors between patches and grows while they are measured, so that they need not fit the memory.
+    If that is cut off, the same command goes on from there. See radiosity solve --exchange.
     """
+    from radiosity.exchange_files import is_exchange
+
     targets = outputs or []
     output.check_outputs(targets, SUFFIXES, file)
     if compare_all and (targets or by or method != "auto"):
@@ -127,15 +138,17 @@ def factors(
     settings = Effort(method, tolerance, rays, resolution, hemicubes, points, memory, threads, seed).settings()
     source.use_threads(threads)
     meshing = _meshing(file, max_edge, patches, as_is, max_patches)
-    scene = source.open_scene(file, unit=unit, two_sided=_sides(file, two_sided))
+    scene = source.open_scene(file, unit=unit, two_sided=source.sides_of_factors(file, two_sided))
     if compare_all:
         most = max_patches or compare.MOST_PATCHES
         elements = source.cut(file, scene, meshing)
         compare.compare(file, elements, settings, max_patches=most, enclosure=enclosure, as_json=as_json, quiet=quiet)
         return
-    f = measure(file, source.cut(file, scene, meshing), settings, quiet=quiet)
+    onto = [target for target in targets if is_exchange(target)]
+    f = measure(file, source.cut(file, scene, meshing), settings, onto=onto[0] if onto else None, quiet=quiet)
     surfaces = f.by_surface() if (by or _usual(file)) == "surface" else None
-    _save(surfaces or f, targets)
+    _save(f, onto[1:])
+    _save(surfaces or f, [target for target in targets if target not in onto])
     summary = factor_summary.summarise(file, f, surfaces, enclosure)
     if as_json:
         output.print_json({"scene": file, "outputs": targets, **summary.to_dict()})
@@ -156,11 +169,6 @@ def _meshing(
     return source.Meshing(max_edge, count, as_is, max_patches)
 
 
-def _sides(file: str, two_sided: bool | None) -> bool | None:
-    """Which sides take part; OBJ does not say, and backs would double the rows."""
-    return False if two_sided is None and _suffix(file) == ".obj" else two_sided
-
-
 def _usual(file: str) -> By:
     """What factors are wanted between: View3D's surfaces are what its users count by."""
     return "surface" if _suffix(file) == ".vs3" else "patch"
@@ -170,16 +178,23 @@ def _suffix(file: str) -> str:
     return Path(file).suffix.lower()
 
 
-def measure(file: str, patches: Patches, settings: dict[str, Any], *, quiet: bool) -> FormFactors:
-    """Measure with a progress bar.
+def measure(
+    file: str, patches: Patches, settings: dict[str, Any], *, onto: Path | None = None, quiet: bool
+) -> FormFactors:
+    """Measure with a progress bar, onto a file if one is named.
 
     Raises:
         ResourceError: the form factors do not fit the memory. ValueError: the method takes no such settings.
     """
     import radiosity
+    from radiosity.exchange_files import partial_name
 
-    with source.naming(file, patches.scene.name), Bar("measuring", quiet=quiet) as bar:
-        return radiosity.form_factors(patches, **settings, progress=bar)
+    partial = None if onto is None else partial_name(onto)
+    if partial is not None and partial.exists() and not quiet:
+        print(f"radiosity: going on from {partial}", file=sys.stderr)
+    naming, resumable = source.naming(file, patches.scene.name), interrupt.resumable(partial)
+    with naming, resumable, Bar("measuring", quiet=quiet) as bar:
+        return radiosity.form_factors(patches, **settings, checkpoint=onto, progress=bar)
 
 
 def _save(factors: FormFactors | SurfaceFactors, targets: list[Path]) -> None:

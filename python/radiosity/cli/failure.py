@@ -55,7 +55,9 @@ def diagnose(error: BaseException) -> tuple[ExitCode, str]:
     if isinstance(error, MemoryError):
         return ExitCode.RESOURCES, "out of memory: use fewer patches, or lower --memory"
     if isinstance(error, KeyboardInterrupt):
-        return ExitCode.INTERRUPTED, "interrupted"
+        from radiosity.cli import interrupt
+
+        return ExitCode.INTERRUPTED, interrupt.sentence()
     return _diagnose_usage(error)
 
 

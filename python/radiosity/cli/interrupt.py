@@ -15,6 +15,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from radiosity.cli.failure import ExitCode
 
@@ -23,6 +24,8 @@ PATIENCE = 0.7
 
 _writing = threading.Lock()
 _ending = threading.Event()
+_unfinished: list[Path] = []
+"""Files that are being built and can be gone on with."""
 
 
 @contextmanager
@@ -30,6 +33,22 @@ def writing() -> Iterator[None]:
     """Keep the listening thread from ending the process while a file is written."""
     with _writing:
         yield
+
+
+@contextmanager
+def resumable(partial: Path | None) -> Iterator[None]:
+    """Have an interruption say that the work can be gone on with, where it leaves this file."""
+    _unfinished[:] = [] if partial is None else [partial]
+    yield
+    _unfinished.clear()
+
+
+def sentence() -> str:
+    """What to say of an interruption."""
+    kept = [
+        f"; what is done is in {path}: the same command goes on from there" for path in _unfinished if path.exists()
+    ]
+    return "interrupted" + "".join(kept)
 
 
 def ending() -> None:
@@ -56,6 +75,6 @@ def _listen(ears: socket.socket, mouth: socket.socket) -> None:
     select.select([ears], [], [], PATIENCE)
     with _writing:
         if not _ending.is_set():
-            sys.stderr.write("radiosity: interrupted\n")
+            sys.stderr.write(f"radiosity: {sentence()}\n")
             sys.stderr.flush()
         os._exit(ExitCode.INTERRUPTED)

@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from radiosity.cli import options, output, source
+from radiosity.cli.failure import ExitCode, Stop
 from radiosity.cli.progress import Bar
 
 if TYPE_CHECKING:
-    from radiosity import Patches, Solution
+    from radiosity import FormFactors, Patches, Scene, Solution
 
 SUFFIXES = (".glb", ".npz", ".vtp")
 
 Outputs = Annotated[
     list[Path] | None,
     typer.Option("--output", "-o", metavar="FILE", help="Where to save: .glb, .npz or .vtp; may be repeated."),
+]
+
+Exchange = Annotated[
+    Path | None,
+    typer.Option(
+        "--exchange",
+        metavar="FILE",
+        help="Solve on form factors that radiosity factors saved as .exchange or .npz, on the patches of then.",
+    ),
 ]
 
 
@@ -37,6 +47,7 @@ class Effort:
 def solve(
     file: options.SceneFile,
     outputs: Outputs = None,
+    exchange: Exchange = None,
     accuracy: options.Accuracy = 0.01,
     max_edge: options.MaxEdge = None,
     patches: options.PatchCount = None,
@@ -58,8 +69,14 @@ def solve(
     meshing = source.Meshing(max_edge, patches, as_is, max_patches)
     effort = Effort(accuracy, max_rays, memory, solver, threads, seed)
     source.use_threads(threads)
+    if exchange is not None:
+        two_sided = source.sides_of_factors(file, two_sided)
     scene = source.open_unlit(file, unit=unit, two_sided=two_sided)
-    solution = solve_patches(file, source.cut(file, scene, meshing), effort, quiet=quiet)
+    if exchange is None:
+        patches_, factors = source.cut(file, scene, meshing), None
+    else:
+        patches_, factors = _saved(file, scene, meshing, exchange, memory)
+    solution = solve_patches(file, patches_, effort, factors=factors, quiet=quiet)
     output.save(solution, targets)
     findings = scene.findings()
     if as_json:
@@ -74,8 +91,34 @@ def solve(
     output.demand_accuracy(file, solution.report)
 
 
-def solve_patches(file: str, patches: Patches, effort: Effort, *, quiet: bool) -> Solution:
-    """Solve with a progress bar.
+def _saved(
+    file: str, scene: Scene, meshing: source.Meshing, exchange: Path, memory: str | None
+) -> tuple[Patches, FormFactors]:
+    """The scene's patches, cut as those of a file of form factors were, and the form factors between them.
+
+    Raises:
+        Stop: the file cannot be used for this scene.
+    """
+    from radiosity import FormFactors
+    from radiosity.exchange_files import ExchangeFile, is_exchange
+
+    try:
+        if not is_exchange(exchange):
+            patches = source.cut(file, scene, meshing)
+            return patches, FormFactors.load(exchange, patches)
+        saved = ExchangeFile(exchange)
+        if saved.cut is not None and meshing.is_left_open:
+            meshing = replace(meshing, **saved.cut)
+        patches = source.cut(file, scene, meshing)
+        return patches, saved.factors(patches, None if memory is None else options.read_size(memory))
+    except ValueError as error:
+        raise Stop(ExitCode.INPUT, f"{error} (solving {file})") from error
+
+
+def solve_patches(
+    file: str, patches: Patches, effort: Effort, *, factors: FormFactors | None = None, quiet: bool
+) -> Solution:
+    """Solve with a progress bar, on form factors if they are given.
 
     Raises:
         SceneError: the scene cannot be lit. ResourceError: it does not fit the memory.
@@ -87,6 +130,7 @@ def solve_patches(file: str, patches: Patches, effort: Effort, *, quiet: bool) -
     with source.naming(file, patches.scene.name), Bar("solving", quiet=quiet) as bar:
         return radiosity.solve(
             patches,
+            transport=factors,
             accuracy=effort.accuracy,
             solver=effort.solver,  # type: ignore[arg-type]  # the engine says which there are
             memory_limit=memory,

@@ -35,6 +35,11 @@ class Meshing:
         if self.max_edge is not None and not 0 < self.max_edge < float("inf"):
             raise bad_argument(f"--max-edge must be a positive number of metres, not {self.max_edge:g}")
 
+    @property
+    def is_left_open(self) -> bool:
+        """Whether nothing is said of how."""
+        return self.max_edge is None and self.count is None and not self.as_is
+
 
 def use_threads(threads: int | None) -> None:
     """Limit the stages that take no argument for it, such as building the ray hierarchy."""
@@ -82,6 +87,11 @@ def open_unlit(file: str, *, unit: str | None = None, two_sided: bool | None = N
     if lit:
         raise SceneError(f"{file}: {lit[0]}")
     return scene
+
+
+def sides_of_factors(file: str, two_sided: bool | None) -> bool | None:
+    """Which sides take part in form factors; OBJ does not say, and backs would double the rows."""
+    return False if two_sided is None and Path(file).suffix.lower() == ".obj" else two_sided
 
 
 def make_builtin(name: str) -> Scene:

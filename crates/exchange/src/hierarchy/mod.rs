@@ -31,6 +31,7 @@ use far::Far;
 use plan::{Relation, Task, plan};
 use radiosity_operator::{Cancelled, Control, Hierarchical, Part};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// What is asked.
 #[derive(Clone, Copy, Debug)]
@@ -98,7 +99,7 @@ pub fn measure(
     control: &Control,
 ) -> Result<(Hierarchical, Tally), Cancelled> {
     let clusters = Clusters::new(enclosure, importance, settings.seed);
-    let blockers = Blockers::new(enclosure, clusters.facets.extent);
+    let blockers = Arc::new(Blockers::new(enclosure, clusters.facets.extent));
     let scene = Scene {
         near: pairs::Settings { kernel: Kernel::Auto, tolerance: settings.near, seed: settings.seed },
         tasks: plan(&clusters, settings.separation, blockers.contact),
@@ -128,7 +129,7 @@ pub fn measure(
 struct Scene<'a> {
     enclosure: &'a Enclosure,
     clusters: Clusters,
-    blockers: Blockers,
+    blockers: Arc<Blockers>,
     settings: &'a Settings,
     near: pairs::Settings,
     tasks: Vec<Task>,

@@ -19,6 +19,7 @@ mod selection;
 use crate::convex::{range, split};
 use crate::enclosure::Enclosure;
 use crate::facets::{Bounds, Facet, Facets, Grouping, LEAF, Node};
+use crate::factors::Failure;
 use crate::kernels::areas::{ORDERS, Orders, Separation, areas};
 use crate::kernels::contour::{contour, is_closed_form};
 use crate::kernels::nusselt::nusselt;
@@ -32,8 +33,9 @@ use glam::DVec3;
 use nodes::Nodes;
 use occlusion::Ends;
 use radiosity_operator::{Block, Cancelled, Control, Precision, Symmetric};
-use rayon::prelude::*;
+use radiosity_store::{Keep, in_order};
 pub(crate) use selection::Selection;
+use std::sync::Arc;
 
 /// The method for what two facets exchange unoccluded.
 #[derive(Clone, Debug)]
@@ -113,47 +115,121 @@ impl Tally {
 /// Bytes that all pairs of so many sides may take.
 pub fn forecast(sides: usize) -> u64 {
     let n = sides as u64;
-    4 * n * n.saturating_sub(1) + (Nodes::forecast(sides) + Points::forecast(sides)) as u64
+    4 * n * n.saturating_sub(1) + points_forecast(sides)
+}
+
+/// Bytes that the points of so many sides may take.
+fn points_forecast(sides: usize) -> u64 {
+    (Nodes::forecast(sides) + Points::forecast(sides)) as u64
+}
+
+/// Bytes that a leaf's pairs with all others take at most.
+fn block_forecast(sides: usize) -> u64 {
+    8 * (LEAF * sides) as u64
+}
+
+/// Bytes that it takes to build pairs onto a file on so many threads, of which no block waits for another.
+pub fn least_forecast(sides: usize, threads: usize) -> u64 {
+    points_forecast(sides) + (threads as u64 + 1) * block_forecast(sides)
+}
+
+/// How many blocks may be built or wait at a time within a limit of memory: some a thread, and one at least.
+pub fn window(sides: usize, threads: usize, memory_limit: u64) -> usize {
+    let left = memory_limit.saturating_sub(least_forecast(sides, threads)) / block_forecast(sides).max(1);
+    (1 + left).min(8 * threads as u64) as usize
 }
 
 /// The exchange of all pairs, by the numbers of the sides.
 pub fn measure(enclosure: &Enclosure, settings: &Settings, control: &Control) -> Result<(Symmetric, Tally), Cancelled> {
-    let facets = Facets::new(enclosure, Grouping::OF_PAIRS, LEAF);
-    let n = facets.list.len();
-    let blockers = Blockers::new(enclosure, facets.extent);
-    let scene = Scene::new(enclosure, facets, &blockers, settings);
-    control.expect((n * n.saturating_sub(1) / 2) as u64);
-    let leaves: Vec<usize> = scene.facets.leaves().collect();
-    let is_rough = matches!(settings.kernel, Kernel::Auto) && settings.tolerance >= SINGLE_ABOVE;
-    let precision = if is_rough { Precision::Single } else { Precision::Double };
-    let measured: Vec<_> = leaves
-        .into_par_iter()
-        .with_max_len(1)
-        .map_init(Scratch::default, |scratch, leaf| {
-            control.check()?;
-            let rows = scene.facets.nodes[leaf].range.clone();
-            let mut task = Task::new(&scene, leaf, scratch);
-            task.walk_all(control)?;
-            task.tally.rays = std::mem::take(&mut task.scratch.rays.cast);
-            control.advance(task.values.len() as u64);
-            // Packed while it is at hand, which is soonest, and so that sparse rows never take dense memory at once.
-            let block = Block::new(n, rows, &task.values, precision);
-            let tally = task.tally;
-            scratch.values = task.values;
-            Ok((block, tally))
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let tally = measured.iter().fold(Tally::default(), |sum, m| sum.plus(m.1));
-    let blocks = measured.into_iter().map(|m| m.0).collect();
-    let order = scene.facets.list.iter().map(|f| f.side).collect();
-    Ok((Symmetric::from_blocks(enclosure.sides(), order, blocks), tally))
+    let pairs = Pairs::new(enclosure, settings);
+    let mut measured: Vec<PairBlock> = Vec::with_capacity(pairs.blocks());
+    match pairs.measure_onto(&mut measured, usize::MAX >> 1, control) {
+        Ok(()) => {}
+        Err(Failure::Cancelled) => return Err(Cancelled),
+        Err(other) => unreachable!("memory takes all blocks: {other}"),
+    }
+    let tally = measured.iter().fold(Tally::default(), |sum, m| sum.plus(m.tally));
+    let blocks = measured.into_iter().map(|m| m.block).collect();
+    Ok((Symmetric::from_blocks(enclosure.sides(), pairs.order(), blocks), tally))
+}
+
+/// The pairs of a leaf of facets with all facets after them.
+pub struct PairBlock {
+    /// What was done.
+    pub tally: Tally,
+    /// What they exchange.
+    pub block: Block,
+}
+
+/// All pairs of an enclosure, to be measured leaf by leaf in the order of the facets.
+pub struct Pairs<'a> {
+    scene: Scene<'a>,
+    leaves: Vec<usize>,
+    precision: Precision,
+}
+
+impl<'a> Pairs<'a> {
+    /// Lays out what all pairs need.
+    pub fn new(enclosure: &'a Enclosure, settings: &'a Settings) -> Self {
+        let facets = Facets::new(enclosure, Grouping::OF_PAIRS, LEAF);
+        let blockers = Arc::new(Blockers::new(enclosure, facets.extent));
+        let scene = Scene::new(enclosure, facets, blockers, settings);
+        let is_rough = matches!(settings.kernel, Kernel::Auto) && settings.tolerance >= SINGLE_ABOVE;
+        let precision = if is_rough { Precision::Single } else { Precision::Double };
+        Self { leaves: scene.facets.leaves().collect(), precision, scene }
+    }
+
+    /// The number of blocks, one a leaf.
+    pub fn blocks(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// Position in the matrix -> number of the side.
+    pub fn order(&self) -> Vec<u32> {
+        self.scene.facets.list.iter().map(|f| f.side).collect()
+    }
+
+    /// Measures the blocks that are not kept yet and hands them over in order, `window` at a time.
+    ///
+    /// # Errors
+    /// If it is cancelled, or a block cannot be kept.
+    pub fn measure_onto(
+        &self,
+        keep: &mut impl Keep<PairBlock>,
+        window: usize,
+        control: &Control,
+    ) -> Result<(), Failure> {
+        let pairs_of = |leaf: usize| -> usize {
+            let n = self.scene.facets.list.len();
+            self.scene.facets.nodes[leaf].range.clone().map(|i| n - 1 - i).sum()
+        };
+        let first = keep.kept();
+        control.expect(self.leaves.iter().map(|&leaf| pairs_of(leaf) as u64).sum());
+        control.advance(self.leaves[..first].iter().map(|&leaf| pairs_of(leaf) as u64).sum());
+        let build = |scratch: &mut Scratch, k: usize| self.block(self.leaves[k], scratch, control);
+        in_order(first..self.leaves.len(), window, Scratch::default, build, |_, block| Ok(keep.keep(block)?))
+    }
+
+    fn block(&self, leaf: usize, scratch: &mut Scratch, control: &Control) -> Result<PairBlock, Failure> {
+        control.check()?;
+        let rows = self.scene.facets.nodes[leaf].range.clone();
+        let mut task = Task::new(&self.scene, leaf, scratch);
+        task.walk_all(control)?;
+        task.tally.rays = std::mem::take(&mut task.scratch.rays.cast);
+        control.advance(task.values.len() as u64);
+        // Packed while it is at hand, which is soonest, and so that sparse rows never take dense memory at once.
+        let block = Block::new(self.scene.facets.list.len(), rows, &task.values, self.precision);
+        let tally = task.tally;
+        scratch.values = task.values;
+        Ok(PairBlock { tally, block })
+    }
 }
 
 /// What all tasks read.
 struct Scene<'a> {
     enclosure: &'a Enclosure,
     facets: Facets,
-    blockers: &'a Blockers,
+    blockers: Arc<Blockers>,
     nodes: Nodes,
     points: Points,
     orders: Orders,
@@ -163,7 +239,7 @@ struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    fn new(enclosure: &'a Enclosure, facets: Facets, blockers: &'a Blockers, settings: &'a Settings) -> Self {
+    fn new(enclosure: &'a Enclosure, facets: Facets, blockers: Arc<Blockers>, settings: &'a Settings) -> Self {
         let is_auto = matches!(settings.kernel, Kernel::Auto);
         let when = |needed: bool| if needed { facets.list.as_slice() } else { &[] };
         Self {
@@ -448,7 +524,7 @@ impl<'a> Task<'a> {
 
     /// What is between of all that may be.
     fn between(&self, first: End, second: End, candidates: &[u32], kept: &mut Vec<u32>) -> Sight {
-        let Blockers { list, contact, .. } = self.scene.blockers;
+        let Blockers { list, contact, .. } = &*self.scene.blockers;
         between(list, candidates, (first.facet, first.polygon), (second.facet, second.polygon), *contact, kept)
     }
 
@@ -525,7 +601,7 @@ impl<'a> Task<'a> {
 
     /// The mean of what both ends of a pair measure by Nusselt's analog.
     fn mean_of_ends(&mut self, first: End, second: End, rule: &PlaneRule, blockers: &[u32]) -> f64 {
-        let Blockers { list, contact, .. } = self.scene.blockers;
+        let Blockers { list, contact, .. } = &*self.scene.blockers;
         let fragments = &mut self.scratch.fragments;
         let mut from = |source: End, target: End| {
             let normal = source.facet.normal;

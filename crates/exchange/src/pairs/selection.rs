@@ -4,13 +4,14 @@ use super::{Scene, Scratch, Settings, Tally, Task};
 use crate::enclosure::Enclosure;
 use crate::facets::{Facets, Node};
 use crate::visibility::Blockers;
+use std::sync::Arc;
 
 /// What pairs of leaves are measured in.
 pub(crate) struct Selection<'a> {
     pub enclosure: &'a Enclosure,
     /// All facets, and the leaves they are in.
     pub facets: &'a Facets,
-    pub blockers: &'a Blockers,
+    pub blockers: &'a Arc<Blockers>,
     pub settings: &'a Settings,
     /// Per facet: how much more than the mean what it sends matters; empty where all matter alike.
     pub importance: &'a [f64],
@@ -33,7 +34,7 @@ impl Selection<'_> {
         leaves.dedup();
         let (facets, numbers) = self.gathered(&leaves);
         let n = facets.list.len();
-        let mut scene = Scene::new(self.enclosure, facets, self.blockers, self.settings);
+        let mut scene = Scene::new(self.enclosure, facets, self.blockers.clone(), self.settings);
         if !self.importance.is_empty() {
             scene.importance = numbers.iter().map(|&i| self.importance[i as usize]).collect();
         }

@@ -18,7 +18,7 @@ use radiosity_scene::Camera;
 use serde::de::DeserializeOwned;
 
 use super::{Extras, FileExtras, LitData, MeshExtras, QUANTITIES, VERSION, attribute_names};
-use crate::files::{FileError, invalid};
+use radiosity_store::files::{FileError, invalid};
 
 /// Reads a lit model back; `None` if the file is some other glTF.
 ///

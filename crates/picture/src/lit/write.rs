@@ -18,10 +18,10 @@ use radiosity_scene::Camera;
 use serde::Serialize;
 
 use super::{Extras, FileExtras, LitModel, MaterialExtras, MeshExtras, QUANTITIES, VERSION, attribute_names};
-use crate::files::{FileError, atomic_write, invalid};
 use crate::reconstruction::CREASE_ANGLE;
 use crate::tone::rgb;
 use crate::{Smoother, ToneCurve};
+use radiosity_store::files::{FileError, atomic_write, invalid};
 
 /// Writes a lit model as binary glTF.
 ///

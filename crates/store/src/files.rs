@@ -21,13 +21,13 @@ impl FileError {
     }
 
     /// An error about what is in `path`, or was to be.
-    pub(crate) fn invalid(path: &Path, message: impl Into<String>) -> Self {
+    pub fn invalid(path: &Path, message: impl Into<String>) -> Self {
         Self::new(path, invalid(message))
     }
 }
 
 /// An error about contents.
-pub(crate) fn invalid(message: impl Into<String>) -> io::Error {
+pub fn invalid(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
 }
 
@@ -90,7 +90,7 @@ fn builder() -> tempfile::Builder<'static, 'static> {
 }
 
 /// Has the new name survive a power cut, where the system can do that; the content is safe already.
-fn sync_folder(folder: &Path) {
+pub(crate) fn sync_folder(folder: &Path) {
     if cfg!(unix) {
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
     }
