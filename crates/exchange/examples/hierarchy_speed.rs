@@ -36,7 +36,8 @@ fn main() {
     settings.ray_share = number(4).unwrap_or(settings.ray_share);
     settings.near = number(5).unwrap_or(settings.near);
     let start = Instant::now();
-    let (operator, tally) = hierarchy::measure(&enclosure, &settings, &[], &Control::default()).expect("not cancelled");
+    let (operator, tally, of_pairs) =
+        hierarchy::measure(&enclosure, &settings, &[], &Control::default()).expect("not cancelled");
     let seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let fields = fields(&enclosure);
@@ -44,7 +45,7 @@ fn main() {
     operator.apply(&fields[0].1, &mut product, 1);
     let once = start.elapsed().as_secs_f64();
     println!(
-        "{count} patches: rays' tree {bvh:.2} s, build {seconds:.3} s, {:.0} bytes a patch, {:.1} links and {:.1} near pairs a patch, product {:.1} ms\n  {tally:?}",
+        "{count} patches: rays' tree {bvh:.2} s, build {seconds:.3} s, {:.0} bytes a patch, {:.1} links and {:.1} near pairs a patch, product {:.1} ms\n  {tally:?}\n  {of_pairs:?}",
         operator.memory_bytes() as f64 / count as f64,
         operator.links() as f64 / count as f64,
         operator.pairs() as f64 / count as f64,

@@ -1,6 +1,8 @@
 //! A symmetric matrix in patches of two kinds: far ones of rank one, near ones entry by entry.
 
 use crate::Operator;
+use crate::symmetric::check_order;
+use radiosity_store::{Numbers, Section, Sections, StoreError, Stored};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -19,27 +21,38 @@ pub struct Hierarchical {
 /// Some blocks above the diagonal: what one piece of work builds.
 #[derive(Clone, Debug, Default)]
 pub struct Part {
-    /// First and last but one position of rows and of columns of each far block.
-    links: Vec<[u32; 4]>,
+    /// Four numbers a far block: where its rows start and end, where its columns do, by position.
+    links: Numbers<u32>,
     /// For each far block a weight for each row, then one for each column: an entry is the product of both.
-    weights: Vec<f32>,
+    weights: Numbers<f32>,
     /// Positions of rows with near entries.
-    rows: Vec<u32>,
+    rows: Numbers<u32>,
     /// Where the entries of each of these rows start, and where the last end.
-    offsets: Vec<u32>,
+    offsets: Numbers<u32>,
     /// Positions, above their row's.
+    columns: Numbers<u32>,
+    values: Numbers<f32>,
+}
+
+/// A part in the making.
+#[derive(Clone, Debug, Default)]
+pub struct PartBuilder {
+    links: Vec<u32>,
+    weights: Vec<f32>,
+    rows: Vec<u32>,
+    offsets: Vec<u32>,
     columns: Vec<u32>,
     values: Vec<f32>,
 }
 
-impl Part {
+impl PartBuilder {
     /// Adds the block of `rows` and `columns`, ranges of positions that have none in common, with entries `u_i w_j`.
     ///
     /// # Panics
     /// If there is not one weight for each row and column.
     pub fn link(&mut self, rows: Range<usize>, columns: Range<usize>, u: &[f32], w: &[f32]) {
         assert_eq!((u.len(), w.len()), (rows.len(), columns.len()), "a weight for each row and column");
-        self.links.push([rows.start as u32, rows.end as u32, columns.start as u32, columns.end as u32]);
+        self.links.extend([rows.start, rows.end, columns.start, columns.end].map(|p| p as u32));
         self.weights.extend_from_slice(u);
         self.weights.extend_from_slice(w);
     }
@@ -60,9 +73,23 @@ impl Part {
         }
     }
 
+    /// The part.
+    pub fn build(self) -> Part {
+        Part {
+            links: self.links.into(),
+            weights: self.weights.into(),
+            rows: self.rows.into(),
+            offsets: self.offsets.into(),
+            columns: self.columns.into(),
+            values: self.values.into(),
+        }
+    }
+}
+
+impl Part {
     /// The number of far blocks.
     pub fn links(&self) -> usize {
-        self.links.len()
+        self.links.len() / 4
     }
 
     /// The number of near pairs.
@@ -77,16 +104,43 @@ impl Part {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        16 * self.links.len()
-            + 4 * self.weights.len()
-            + 4 * (self.rows.len() + self.offsets.len())
-            + 8 * self.columns.len()
+        let words = [self.links.len(), self.weights.len(), self.rows.len(), self.offsets.len(), 2 * self.columns.len()];
+        4 * words.iter().sum::<usize>()
+    }
+
+    /// Checks that all blocks and entries are above the diagonal of a matrix of `n` and have their numbers.
+    fn check(&self, n: usize) -> Result<(), String> {
+        let (links, rest) = self.links.as_chunks::<4>();
+        let mut weights = 0;
+        for &[a, b, c, d] in links {
+            if !(a <= b && b <= c && c <= d && d as usize <= n) {
+                return Err(format!(
+                    "rows {a} to {b} and columns {c} to {d} are no block above the diagonal of {n} rows"
+                ));
+            }
+            weights += (b - a) as usize + (d - c) as usize;
+        }
+        if !rest.is_empty() || weights != self.weights.len() {
+            return Err("there is not one weight for each row and column".into());
+        }
+        let (rows, offsets, columns): (&[u32], &[u32], &[u32]) = (&self.rows, &self.offsets, &self.columns);
+        let spans = if rows.is_empty() { columns.is_empty() } else { offsets.len() == rows.len() + 1 };
+        if !spans || columns.len() != self.values.len() {
+            return Err("near rows do not have one start and end, or entries not one value".into());
+        }
+        for (&row, bounds) in rows.iter().zip(offsets.windows(2)) {
+            let entries = columns.get(bounds[0] as usize..bounds[1] as usize);
+            if !entries.is_some_and(|q| q.iter().all(|&q| q > row && (q as usize) < n)) {
+                return Err(format!("the near columns of row {row} are out of bounds"));
+            }
+        }
+        Ok(())
     }
 
     /// Calls `visit(rows, columns, u, w)` for each far block.
     fn for_each_link(&self, mut visit: impl FnMut(Range<usize>, Range<usize>, &[f32], &[f32])) {
-        let mut rest = self.weights.as_slice();
-        for &[a, b, c, d] in &self.links {
+        let mut rest: &[f32] = &self.weights;
+        for &[a, b, c, d] in self.links.as_chunks::<4>().0 {
             let (rows, columns) = (a as usize..b as usize, c as usize..d as usize);
             let (u, after) = rest.split_at(rows.len());
             let (w, after) = after.split_at(columns.len());
@@ -97,9 +151,10 @@ impl Part {
 
     /// Near entries by row: position, columns, values.
     fn near_rows(&self) -> impl Iterator<Item = (usize, &[u32], &[f32])> {
-        self.rows.iter().enumerate().map(|(k, &row)| {
-            let range = self.offsets[k] as usize..self.offsets[k + 1] as usize;
-            (row as usize, &self.columns[range.clone()], &self.values[range])
+        let (columns, values): (&[u32], &[f32]) = (&self.columns, &self.values);
+        self.rows.iter().zip(self.offsets.windows(2)).map(move |(&row, bounds)| {
+            let range = bounds[0] as usize..bounds[1] as usize;
+            (row as usize, &columns[range.clone()], &values[range])
         })
     }
 
@@ -157,6 +212,33 @@ impl Hierarchical {
     /// Joins parts. Their blocks must not overlap and lie above the diagonal, in positions of `order`.
     pub fn new(len: usize, order: Vec<u32>, parts: Vec<Part>) -> Self {
         Self { len, order, parts }
+    }
+
+    /// The same of parts out of a file, in which anything may be.
+    ///
+    /// # Errors
+    /// If the order is none, in words. Parts are left to [`Hierarchical::check_indices`], as that reads them.
+    pub fn from_stored(len: usize, order: Vec<u32>, parts: Vec<Part>) -> Result<Self, String> {
+        check_order(&order, len)?;
+        Ok(Self { len, order, parts })
+    }
+
+    /// Checks that all blocks lie within the matrix and have their numbers.
+    ///
+    /// # Errors
+    /// If one does not, in words. What is read of such a matrix panics or is wrong.
+    pub fn check_indices(&self) -> Result<(), String> {
+        self.parts.par_iter().try_for_each(|part| part.check(self.order.len()))
+    }
+
+    /// The parts, in order.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Position in the matrix -> number.
+    pub fn order(&self) -> &[u32] {
+        &self.order
     }
 
     /// The number of far blocks.
@@ -240,6 +322,30 @@ impl Hierarchical {
     }
 }
 
+impl Stored for Part {
+    fn sections(&self) -> Vec<Section<'_>> {
+        vec![
+            Section::of(&self.links),
+            Section::of(&self.weights),
+            Section::of(&self.rows),
+            Section::of(&self.offsets),
+            Section::of(&self.columns),
+            Section::of(&self.values),
+        ]
+    }
+
+    fn from_sections(sections: &mut Sections<'_>) -> Result<Self, StoreError> {
+        Ok(Self {
+            links: sections.take()?,
+            weights: sections.take()?,
+            rows: sections.take()?,
+            offsets: sections.take()?,
+            columns: sections.take()?,
+            values: sections.take()?,
+        })
+    }
+}
+
 impl Operator for Hierarchical {
     fn len(&self) -> usize {
         self.len
@@ -270,14 +376,14 @@ mod tests {
 
     /// Eight positions of ten numbers: a far block, near entries, and two numbers without rows.
     fn sample() -> Hierarchical {
-        let mut first = Part::default();
+        let mut first = PartBuilder::default();
         first.link(0..3, 4..8, &[0.5, 0.0, 0.25], &[1.0, 2.0, 0.0, 4.0]);
         first.near(0, [(1, 0.5), (3, 0.125)]);
         first.near(2, []);
-        let mut second = Part::default();
+        let mut second = PartBuilder::default();
         second.near(4, [(5, 1.5)]);
         second.near(6, [(7, 0.75)]);
-        Hierarchical::new(10, vec![9, 8, 7, 6, 3, 2, 1, 0], vec![first, second])
+        Hierarchical::new(10, vec![9, 8, 7, 6, 3, 2, 1, 0], vec![first.build(), second.build()])
     }
 
     #[test]
@@ -300,5 +406,35 @@ mod tests {
         assert_eq!(operator.row(9), vec![(0, 2.0), (2, 1.0), (3, 0.5), (6, 0.125), (8, 0.5)]);
         assert!(operator.row(4).is_empty());
         assert_eq!((operator.links(), operator.pairs()), (1, 4));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_found() {
+        let sound = || {
+            let mut part = PartBuilder::default();
+            part.link(0..2, 2..4, &[1.0, 2.0], &[3.0, 4.0]);
+            part.near(0, [(1, 0.5)]);
+            part
+        };
+        let checked = |change: &dyn Fn(&mut PartBuilder)| {
+            let mut part = sound();
+            change(&mut part);
+            Hierarchical::from_stored(4, vec![3, 2, 1, 0], vec![part.build()]).unwrap().check_indices()
+        };
+        assert_eq!(checked(&|_| {}), Ok(()));
+        let broken: [&dyn Fn(&mut PartBuilder); 8] = [
+            &|p| p.links[3] = 5,
+            &|p| p.links[0] = 3,
+            &|p| p.links.push(0),
+            &|p| p.weights.push(0.0),
+            &|p| p.columns[0] = 0,
+            &|p| p.columns[0] = 4,
+            &|p| p.offsets[1] = 2,
+            &|p| p.values.push(0.0),
+        ];
+        for (k, change) in broken.iter().enumerate() {
+            assert!(checked(change).is_err(), "{k}");
+        }
+        assert!(Hierarchical::from_stored(3, vec![0, 0], Vec::new()).is_err());
     }
 }

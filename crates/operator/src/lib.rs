@@ -10,7 +10,7 @@ pub mod symmetric;
 pub use control::{Cancelled, Control};
 pub use csr::Csr;
 pub use dense::Dense;
-pub use hierarchical::{Hierarchical, Part};
+pub use hierarchical::{Hierarchical, Part, PartBuilder};
 pub use radiosity_store::Numbers;
 pub use symmetric::{Block, Precision, Symmetric};
 

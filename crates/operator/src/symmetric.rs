@@ -44,6 +44,18 @@ pub enum Precision {
     Double,
 }
 
+/// Checks that each position has a number of its own below `len`.
+pub(crate) fn check_order(order: &[u32], len: usize) -> Result<(), String> {
+    let mut seen = vec![false; len];
+    for &number in order {
+        match seen.get_mut(number as usize) {
+            Some(seen) if !*seen => *seen = true,
+            _ => return Err(format!("{number} is no number of a row, or stands twice in their order")),
+        }
+    }
+    Ok(())
+}
+
 /// A sparse entry takes 12 bytes, and a dense one 8, or 4 in single precision.
 fn sparse_below(precision: Precision) -> f64 {
     if precision == Precision::Single { 0.3 } else { 0.6 }
@@ -78,13 +90,7 @@ impl Symmetric {
 
     fn check_shape(&self) -> Result<(), String> {
         let n = self.order.len();
-        let mut seen = vec![false; self.len];
-        for &number in &self.order {
-            match seen.get_mut(number as usize) {
-                Some(seen) if !*seen => *seen = true,
-                _ => return Err(format!("{number} is no number of a row, or stands twice in their order")),
-            }
-        }
+        check_order(&self.order, self.len)?;
         let mut next = 0;
         for block in &self.blocks {
             if block.rows.start != next || block.rows.end < next || block.rows.end > n {

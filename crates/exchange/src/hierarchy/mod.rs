@@ -23,14 +23,15 @@ mod plan;
 
 use crate::enclosure::Enclosure;
 use crate::facets::Node;
+use crate::factors::Failure;
 use crate::pairs::{self, Kernel, Scratch, Selection};
 use crate::visibility::{Blockers, Shaft};
 pub use check::{Check, Deviation};
 use clusters::Clusters;
 use far::Far;
 use plan::{Relation, Task, plan};
-use radiosity_operator::{Cancelled, Control, Hierarchical, Part};
-use rayon::prelude::*;
+use radiosity_operator::{Cancelled, Control, Hierarchical, Part, PartBuilder};
+use radiosity_store::{Keep, in_order};
 use std::sync::Arc;
 
 /// What is asked.
@@ -72,19 +73,17 @@ pub struct Tally {
     pub rays: u64,
     /// Pairs of leaves measured entry by entry.
     pub near_leaves: u64,
-    /// What these pairs took.
-    pub pairs: pairs::Tally,
 }
 
 impl Tally {
-    fn plus(self, other: Self) -> Self {
+    /// Both together.
+    pub fn plus(self, other: Self) -> Self {
         Self {
             clear: self.clear + other.clear,
             sampled: self.sampled + other.sampled,
             mixed: self.mixed + other.mixed,
             rays: self.rays + other.rays,
             near_leaves: self.near_leaves + other.near_leaves,
-            pairs: self.pairs.plus(other.pairs),
         }
     }
 }
@@ -97,48 +96,103 @@ pub fn measure(
     settings: &Settings,
     importance: &[f64],
     control: &Control,
-) -> Result<(Hierarchical, Tally), Cancelled> {
-    let clusters = Clusters::new(enclosure, importance, settings.seed);
-    let blockers = Arc::new(Blockers::new(enclosure, clusters.facets.extent));
-    let scene = Scene {
-        near: pairs::Settings { kernel: Kernel::Auto, tolerance: settings.near, seed: settings.seed },
-        tasks: plan(&clusters, settings.separation, blockers.contact),
-        enclosure,
-        clusters,
-        blockers,
-        settings,
-    };
-    control.expect(scene.tasks.len() as u64);
-    let parts: Vec<(Part, Tally)> = scene
-        .tasks
-        .par_iter()
-        .with_max_len(1)
-        .map_init(Default::default, |scratch: &mut (Far, Scratch), task| {
-            control.check()?;
-            let part = scene.part(task, scratch);
-            control.advance(1);
-            Ok(part)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let tally = parts.iter().fold(Tally::default(), |sum, p| sum.plus(p.1));
-    let order = scene.clusters.facets.list.iter().map(|f| f.side).collect();
-    Ok((Hierarchical::new(enclosure.sides(), order, parts.into_iter().map(|p| p.0).collect()), tally))
+) -> Result<(Hierarchical, Tally, pairs::Tally), Cancelled> {
+    let links = Links::new(enclosure, settings, importance);
+    let mut built: Vec<LinkBlock> = Vec::with_capacity(links.blocks());
+    match links.measure_onto(&mut built, usize::MAX >> 1, control) {
+        Ok(()) => {}
+        Err(Failure::Cancelled) => return Err(Cancelled),
+        Err(other) => unreachable!("memory takes all blocks: {other}"),
+    }
+    let tally = built.iter().fold(Tally::default(), |sum, b| sum.plus(b.tally));
+    let of_pairs = built.iter().fold(pairs::Tally::default(), |sum, b| sum.plus(b.pairs));
+    let parts = built.into_iter().map(|b| b.part).collect();
+    Ok((Hierarchical::new(enclosure.sides(), links.order(), parts), tally, of_pairs))
 }
 
-/// What all tasks read.
-struct Scene<'a> {
+/// Bytes that an exchange of so many sides may take.
+pub fn forecast(sides: usize, settings: &Settings) -> u64 {
+    // Far blocks and what else grows slowly; near pairs, whose region grows as the separation shrinks. Measured on rooms
+    // and terrain, which have less.
+    let near = 1300.0 * (0.6 / settings.separation).powi(2);
+    ((700.0 + near) * sides as f64) as u64 + least_forecast(sides)
+}
+
+/// Bytes that it takes to build one onto a file: facets, their tree and blockers.
+pub fn least_forecast(sides: usize) -> u64 {
+    650 * sides as u64
+}
+
+/// What one piece of work builds.
+pub struct LinkBlock {
+    /// Links.
+    pub tally: Tally,
+    /// Near pairs.
+    pub pairs: pairs::Tally,
+    /// Their blocks.
+    pub part: Part,
+}
+
+/// A hierarchical exchange, to be built piece by piece in the order of the tree.
+pub struct Links<'a> {
     enclosure: &'a Enclosure,
     clusters: Clusters,
     blockers: Arc<Blockers>,
-    settings: &'a Settings,
+    settings: Settings,
     near: pairs::Settings,
     tasks: Vec<Task>,
 }
 
-impl Scene<'_> {
+impl<'a> Links<'a> {
+    /// Lays out tree and work. For `importance` see [`measure`].
+    pub fn new(enclosure: &'a Enclosure, settings: &Settings, importance: &[f64]) -> Self {
+        let clusters = Clusters::new(enclosure, importance, settings.seed);
+        let blockers = Arc::new(Blockers::new(enclosure, clusters.facets.extent));
+        Self {
+            near: pairs::Settings { kernel: Kernel::Auto, tolerance: settings.near, seed: settings.seed },
+            tasks: plan(&clusters, settings.separation, blockers.contact),
+            enclosure,
+            clusters,
+            blockers,
+            settings: *settings,
+        }
+    }
+
+    /// The number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.tasks.len()
+    }
+
+    /// Position in the matrix -> number of the side.
+    pub fn order(&self) -> Vec<u32> {
+        self.clusters.facets.list.iter().map(|f| f.side).collect()
+    }
+
+    /// Builds the blocks that are not kept yet and hands them over in order, `window` at a time.
+    ///
+    /// # Errors
+    /// If it is cancelled, or a block cannot be kept.
+    pub fn measure_onto(
+        &self,
+        keep: &mut impl Keep<LinkBlock>,
+        window: usize,
+        control: &Control,
+    ) -> Result<(), Failure> {
+        let first = keep.kept();
+        control.expect(self.tasks.len() as u64);
+        control.advance(first as u64);
+        let build = |scratch: &mut (Far, Scratch), k: usize| {
+            control.check()?;
+            let block = self.block(&self.tasks[k], scratch);
+            control.advance(1);
+            Ok(block)
+        };
+        in_order(first..self.tasks.len(), window, Default::default, build, |_, block| Ok(keep.keep(block)?))
+    }
+
     /// The blocks of one piece of work.
-    fn part(&self, task: &Task, (far, scratch): &mut (Far, Scratch)) -> (Part, Tally) {
-        let (mut part, mut tally) = (Part::default(), Tally::default());
+    fn block(&self, task: &Task, (far, scratch): &mut (Far, Scratch)) -> LinkBlock {
+        let (mut part, mut tally) = (PartBuilder::default(), Tally::default());
         let (mut near, mut open) = (Vec::new(), Vec::new());
         for &pair in task {
             open.push(pair);
@@ -167,12 +221,12 @@ impl Scene<'_> {
         let between = |a: &Node, b: &Node, found: &mut Vec<u32>| {
             self.blockers.find(&Shaft::new(a.bounds, b.bounds, self.blockers.contact), found);
         };
-        tally.pairs = selection.measure(&near, scratch, between, |i, entries| part.near(i, entries));
-        (part, tally)
+        let pairs = selection.measure(&near, scratch, between, |i, entries| part.near(i, entries));
+        LinkBlock { tally, pairs, part: part.build() }
     }
 
     /// Adds the link of two clusters that are apart; false if their parts must be linked instead.
-    fn link(&self, a: usize, b: usize, far: &mut Far, part: &mut Part, tally: &mut Tally) -> bool {
+    fn link(&self, a: usize, b: usize, far: &mut Far, part: &mut PartBuilder, tally: &mut Tally) -> bool {
         let nodes = &self.clusters.facets.nodes;
         if !far.unoccluded(&self.clusters, &nodes[a], &nodes[b]) {
             return true;
@@ -181,7 +235,7 @@ impl Scene<'_> {
         if self.blockers.leave_free(&shaft) {
             tally.clear += 1;
         } else {
-            tally.rays += far.occlude(self.enclosure, &self.clusters, (a, b), self.settings) as u64;
+            tally.rays += far.occlude(self.enclosure, &self.clusters, (a, b), &self.settings) as u64;
             if far.is_mixed(&self.clusters, [&nodes[a], &nodes[b]], MIXED_SHARE * self.settings.tolerance) {
                 tally.mixed += 1;
                 return false;
