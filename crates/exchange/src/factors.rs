@@ -1,13 +1,15 @@
 //! Form factors of an enclosure by any method, as one symmetric operator.
 
 use crate::enclosure::Enclosure;
+use crate::exchange::Exchange;
+use crate::hierarchy;
 use crate::kernels::hemicube;
 use crate::pairs::{self, Kernel, Tally};
 use crate::quadrature::PlaneRule;
 use crate::rows::Rows;
 use crate::samples::Samples;
 use crate::shots::{Shot, shoot};
-use radiosity_operator::{Cancelled, Control, Symmetric};
+use radiosity_operator::{Cancelled, Control, Operator, Symmetric};
 use radiosity_store::StoreError;
 use std::sync::Arc;
 use std::time::Instant;
@@ -38,6 +40,8 @@ pub enum Method {
         /// Rays a side.
         rays: u32,
     },
+    /// Blocks of rank one between what is far apart, pairs between what is near: for a great many sides.
+    Hierarchical,
 }
 
 /// What is asked.
@@ -94,11 +98,11 @@ impl Kept {
     /// What else can be done where memory does not suffice.
     fn remedy(self, method: Method) -> &'static str {
         match self {
-            Kept::InMemory if is_by_pairs(method) => {
+            Kept::InMemory if is_by_blocks(method) => {
                 ", or have them on disk: give checkpoint=, or an output that ends in .exchange"
             }
             Kept::InMemory => ", or solve without form factors",
-            Kept::InFile if is_by_pairs(method) => ", or fewer threads",
+            Kept::InFile if is_by_blocks(method) => ", or fewer threads",
             Kept::InFile => ", or a method that writes as it goes, such as auto",
         }
     }
@@ -124,6 +128,8 @@ impl From<Cancelled> for Failure {
 pub struct FactorReport {
     /// Pairs by kind and method, where pairs were measured one by one.
     pub tally: Tally,
+    /// Links, where there are any.
+    pub links: hierarchy::Tally,
     /// An estimate of the greatest error of a form factor, of the smaller side of a pair.
     pub estimated_error: f64,
     /// The greatest disagreement of what both ends of a pair measured, as a form factor of the smaller side; zero
@@ -140,7 +146,7 @@ pub struct FormFactors {
     /// The geometry.
     pub enclosure: Arc<Enclosure>,
     /// G = A F, m2.
-    pub operator: Symmetric,
+    pub operator: Exchange,
     /// The standard error of G, m2, pair by pair, where rays found it.
     pub standard_error: Option<Symmetric>,
     /// What was done.
@@ -149,10 +155,28 @@ pub struct FormFactors {
     pub settings: radiosity_store::Settings,
 }
 
+impl FormFactors {
+    /// Each pair by itself.
+    ///
+    /// # Errors
+    /// In words, where they are kept in blocks.
+    pub fn pairs(&self) -> Result<&Symmetric, NotByPairs> {
+        self.operator.pairs().ok_or(NotByPairs)
+    }
+}
+
+/// What asks for single form factors of a hierarchical exchange.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the exchange is hierarchical and keeps no single form factors; measure them with method auto")]
+pub struct NotByPairs;
+
 /// Measures the form factors between all sides of an enclosure.
 pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control) -> Result<FormFactors, Failure> {
     let start = Instant::now();
     settings.check_memory(enclosure.sides(), Kept::InMemory)?;
+    if settings.method == Method::Hierarchical {
+        return by_links(enclosure, settings, control);
+    }
     let pairs = |kernel: Kernel| -> Result<_, Failure> {
         let of_pairs = pairs::Settings { kernel, tolerance: settings.tolerance, seed: settings.seed };
         let (operator, tally) = pairs::measure(&enclosure, &of_pairs, control)?;
@@ -181,15 +205,48 @@ pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control
             by_hemicubes(&enclosure, resolution, positions, settings, control)?
         }
         Method::MonteCarlo { rays } => by_rays(&enclosure, rays, settings.seed, control)?,
+        Method::Hierarchical => unreachable!("dealt with before"),
     };
     let report = FactorReport { seconds: start.elapsed().as_secs_f64(), ..report };
     let named = settings.named(enclosure.patches());
-    Ok(FormFactors { enclosure, operator, standard_error, report, settings: named })
+    Ok(FormFactors { enclosure, operator: Exchange::Pairs(operator), standard_error, report, settings: named })
+}
+
+/// Links and near pairs, and how wrong they are by independent rays.
+fn by_links(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control) -> Result<FormFactors, Failure> {
+    let start = Instant::now();
+    let of_links = hierarchy::Settings::new(settings.tolerance, settings.seed);
+    let (operator, links, tally) = hierarchy::measure(&enclosure, &of_links, &[], control)?;
+    let report = report_of_links(&enclosure, &operator.row_sums(), settings, (links, tally), control)?;
+    let report = FactorReport { seconds: start.elapsed().as_secs_f64(), ..report };
+    let named = settings.named(enclosure.patches());
+    Ok(FormFactors { enclosure, operator: Exchange::Links(operator), standard_error: None, report, settings: named })
+}
+
+/// What is said of a hierarchical exchange: its error is that of its row sums.
+pub(crate) fn report_of_links(
+    enclosure: &Enclosure,
+    row_sums: &[f64],
+    settings: &Settings,
+    (links, tally): (hierarchy::Tally, Tally),
+    control: &Control,
+) -> Result<FactorReport, Cancelled> {
+    let check = hierarchy::Check::new(enclosure, settings.tolerance, settings.seed, control)?;
+    let area = |side: usize| enclosure.area(side);
+    let sums: Vec<f64> =
+        row_sums.iter().enumerate().map(|(side, sum)| if area(side) > 0.0 { sum / area(side) } else { 0.0 }).collect();
+    let found = check.deviations(&vec![1.0; sums.len()], &sums, 1)[0];
+    Ok(FactorReport { tally, links, estimated_error: found.error, ..Default::default() })
 }
 
 /// Whether a method measures pair by pair, once.
 pub(crate) fn is_by_pairs(method: Method) -> bool {
-    !matches!(method, Method::Nusselt { points: None } | Method::Hemicube { .. } | Method::MonteCarlo { .. })
+    matches!(method, Method::Auto | Method::Analytic | Method::Contour | Method::Nusselt { points: Some(_) })
+}
+
+/// Whether a method builds blocks that can be written as they are done.
+fn is_by_blocks(method: Method) -> bool {
+    is_by_pairs(method) || method == Method::Hierarchical
 }
 
 impl Settings {
@@ -213,15 +270,16 @@ impl Settings {
             Method::Nusselt { points: Some(points) } => (disagreement, (points * points) as u64),
             _ => (tally.worst_error.max(0.5 * self.tolerance), 0),
         };
-        FactorReport { tally, estimated_error, disagreement, samples, seconds: 0.0 }
+        FactorReport { tally, estimated_error, disagreement, samples, ..Default::default() }
     }
 
     /// Refuses what may take more memory than allowed.
     pub(crate) fn check_memory(&self, sides: usize, kept: Kept) -> Result<(), Failure> {
         let Settings { method, memory_limit: limit, .. } = *self;
         let needed = match kept {
-            Kept::InFile if is_by_pairs(method) => pairs::least_forecast(sides, rayon::current_num_threads()),
-            _ => forecast(sides, method),
+            Kept::InFile if is_by_blocks(method) => pairs::least_forecast(sides, rayon::current_num_threads()),
+            Kept::InFile if method == Method::Hierarchical => hierarchy::least_forecast(sides),
+            _ => forecast(sides, self),
         };
         if needed <= limit { Ok(()) } else { Err(Failure::Memory { sides, needed, limit, method, kept }) }
     }
@@ -231,9 +289,10 @@ impl Settings {
 pub const MOST_POINTS: usize = 32;
 
 /// Bytes that a method may take at most.
-fn forecast(sides: usize, method: Method) -> u64 {
+fn forecast(sides: usize, settings: &Settings) -> u64 {
     let all_pairs = pairs::forecast(sides);
-    match method {
+    match settings.method {
+        Method::Hierarchical => hierarchy::forecast(sides, &hierarchy::Settings::new(settings.tolerance, 0)),
         // A ray's shot, and an entry for it in two operators.
         Method::MonteCarlo { rays } => {
             sides as u64 * u64::from(rays) * 8 + (24 * sides as u64 * u64::from(rays)).min(3 * all_pairs)

@@ -3,6 +3,7 @@
 pub mod convex;
 pub mod elements;
 pub mod enclosure;
+pub mod exchange;
 pub mod facets;
 pub mod factors;
 pub mod hierarchy;
@@ -20,6 +21,7 @@ pub mod visibility;
 
 pub use elements::Elements;
 pub use enclosure::Enclosure;
+pub use exchange::Exchange;
 pub use factors::FormFactors;
 pub use luminaires::{LightSample, Luminaire};
 pub use rows::Rows;

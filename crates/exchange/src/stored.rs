@@ -5,11 +5,15 @@
 //! where there are any, and the report.
 
 use crate::enclosure::Enclosure;
-use crate::factors::{FactorReport, Failure, FormFactors, Kept, Method, Settings, is_by_pairs, measure};
+use crate::exchange::Exchange;
+use crate::factors::{
+    FactorReport, Failure, FormFactors, Kept, Method, Settings, is_by_pairs, measure, report_of_links,
+};
+use crate::hierarchy::{self, LinkBlock, Links};
 use crate::pairs::{self, PairBlock, Pairs, Tally};
 use glam::DVec3;
 use radiosity_geometry::Patches;
-use radiosity_operator::{Block, Control, Symmetric};
+use radiosity_operator::{Block, Control, Hierarchical, Part, Symmetric};
 use radiosity_store::{
     Checkpoint, Identity, Numbers, Opened, Section, Sections, StoreError, StoreFile, Stored, fingerprint, role,
 };
@@ -19,7 +23,15 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// The kind of files that hold each pair once, in blocks of rows.
-const KIND: &str = "symmetric";
+const PAIRS: &str = "symmetric";
+
+/// The kind of files that hold blocks of rank one and near pairs.
+const LINKS: &str = "hierarchical";
+
+/// The kind of file that a method makes.
+fn kind(method: Method) -> &'static str {
+    if method == Method::Hierarchical { LINKS } else { PAIRS }
+}
 
 /// The record with the report and the order of rows.
 const REPORT: u32 = role::OTHER;
@@ -48,16 +60,19 @@ impl StoredFactors {
             let joined = Symmetric::from_stored(sides, order.clone(), blocks).map_err(|what| last.damaged(what))?;
             Ok(if file.length() > memory_limit { joined.frugal() } else { joined })
         };
-        let blocks: Vec<Block> = file
-            .with_role(role::BLOCK)
-            .map(|mut s| Ok(PairBlock::from_sections(&mut s)?.block))
-            .collect::<Result<_, StoreError>>()?;
+        let operator = if file.kind() == LINKS {
+            let parts = file.with_role(role::BLOCK).map(|mut s| Ok(LinkBlock::from_sections(&mut s)?.part));
+            let parts = parts.collect::<Result<_, StoreError>>()?;
+            Exchange::Links(Hierarchical::from_stored(sides, order.clone(), parts).map_err(|what| last.damaged(what))?)
+        } else {
+            let blocks = file.with_role(role::BLOCK).map(|mut s| Ok(PairBlock::from_sections(&mut s)?.block));
+            Exchange::Pairs(joined(blocks.collect::<Result<_, StoreError>>()?)?)
+        };
         let errors: Vec<Block> =
             file.with_role(STANDARD_ERROR).map(|mut s| Block::from_sections(&mut s)).collect::<Result<_, _>>()?;
         let standard_error = if errors.is_empty() { None } else { Some(joined(errors)?) };
         let settings = file.settings().clone();
-        let factors =
-            FormFactors { operator: joined(blocks)?, standard_error, report: report_in(&told), settings, enclosure };
+        let factors = FormFactors { operator, standard_error, report: report_in(&told), settings, enclosure };
         Ok(Self { file, factors: Arc::new(factors), checked: OnceLock::new() })
     }
 
@@ -99,7 +114,7 @@ impl ExchangeFile {
     }
 
     fn of(file: StoreFile, verify: bool) -> Result<Self, StoreError> {
-        if file.kind() != KIND {
+        if ![PAIRS, LINKS].contains(&file.kind().as_str()) {
             return Err(StoreError::damaged(file.path(), format!("this is no file of form factors: {}", file.kind())));
         }
         if verify {
@@ -151,7 +166,7 @@ pub fn measure_onto(
     control: &Control,
 ) -> Result<StoredFactors, Failure> {
     let start = Instant::now();
-    let identity = Identity { kind: KIND, settings: settings.named(enclosure.patches()) };
+    let identity = Identity { kind: kind(settings.method), settings: settings.named(enclosure.patches()) };
     if !path.exists() {
         // Before anything is begun.
         settings.check_memory(enclosure.sides(), Kept::InFile)?;
@@ -161,6 +176,9 @@ pub fn measure_onto(
         Opened::Whole(file) => file,
         Opened::Building(checkpoint) if is_by_pairs(settings.method) => {
             by_pairs(*checkpoint, &enclosure, settings, control)?
+        }
+        Opened::Building(checkpoint) if settings.method == Method::Hierarchical => {
+            by_links(*checkpoint, &enclosure, settings, control)?
         }
         Opened::Building(checkpoint) => write_measured(*checkpoint, enclosure.clone(), settings, control)?,
     };
@@ -191,13 +209,80 @@ fn by_pairs(
     Ok(keep.checkpoint.finish(&[(REPORT, last(&report, &pairs.order()))])?)
 }
 
-/// A checkpoint that counts what it takes.
-struct Tallied {
-    checkpoint: Checkpoint,
-    sum: Tally,
+/// The same of links, whose error rays tell in the end.
+fn by_links(
+    mut checkpoint: Checkpoint,
+    enclosure: &Enclosure,
+    settings: &Settings,
+    control: &Control,
+) -> Result<StoreFile, Failure> {
+    let of_links = hierarchy::Settings::new(settings.tolerance, settings.seed);
+    let links = Links::new(enclosure, &of_links, &[]);
+    let order = links.order();
+    let mut sum = OfLinks { ones: vec![1.0; order.len()], sums: vec![0.0; order.len()], ..Default::default() };
+    for k in 0..checkpoint.resumed() {
+        let block = resumed(&mut checkpoint, k, order.len())?;
+        sum.add(&block);
+    }
+    // Blocks are small beside what all of them read.
+    let window = 8 * rayon::current_num_threads();
+    let mut keep = Tallied { checkpoint, sum };
+    links.measure_onto(&mut keep, window, control)?;
+    drop(links);
+    let Tallied { checkpoint, sum } = keep;
+    let mut sums = vec![0.0; enclosure.sides()];
+    order.iter().zip(&sum.sums).for_each(|(&side, s)| sums[side as usize] = *s);
+    let report = report_of_links(enclosure, &sums, settings, (sum.links, sum.pairs), control)?;
+    Ok(checkpoint.finish(&[(REPORT, last(&report, &order))])?)
 }
 
-impl radiosity_store::Keep<PairBlock> for Tallied {
+/// A block that was there when the file was opened.
+fn resumed(checkpoint: &mut Checkpoint, k: usize, n: usize) -> Result<LinkBlock, StoreError> {
+    let tally = hierarchy::Tally::from_array(&checkpoint.section(k, 0)?);
+    let pairs = Tally::from_arrays(&checkpoint.section(k, 1)?, &checkpoint.section(k, 2)?);
+    let (links, weights) = (checkpoint.section(k, 3)?, checkpoint.section(k, 4)?);
+    let (rows, offsets) = (checkpoint.section(k, 5)?, checkpoint.section(k, 6)?);
+    let near = (checkpoint.section(k, 7)?, checkpoint.section(k, 8)?);
+    let part = Part::from_arrays(n, links, weights, rows, offsets, near);
+    let part = part.map_err(|what| StoreError::damaged(checkpoint.path(), format!("block {k}: {what}")))?;
+    Ok(LinkBlock { tally, pairs, part })
+}
+
+/// What is counted of links, and the row sums by position.
+#[derive(Default)]
+struct OfLinks {
+    links: hierarchy::Tally,
+    pairs: Tally,
+    ones: Vec<f64>,
+    sums: Vec<f64>,
+}
+
+impl OfLinks {
+    fn add(&mut self, block: &LinkBlock) {
+        self.links = self.links.plus(block.tally);
+        self.pairs = self.pairs.plus(block.pairs);
+        block.part.add_to(&self.ones, &mut self.sums);
+    }
+}
+
+/// A checkpoint that counts what it takes.
+struct Tallied<T> {
+    checkpoint: Checkpoint,
+    sum: T,
+}
+
+impl radiosity_store::Keep<LinkBlock> for Tallied<OfLinks> {
+    fn kept(&self) -> usize {
+        self.checkpoint.blocks()
+    }
+
+    fn keep(&mut self, block: LinkBlock) -> Result<(), StoreError> {
+        self.sum.add(&block);
+        self.checkpoint.append(&block)
+    }
+}
+
+impl radiosity_store::Keep<PairBlock> for Tallied<Tally> {
     fn kept(&self) -> usize {
         self.checkpoint.blocks()
     }
@@ -216,7 +301,8 @@ fn write_measured(
     control: &Control,
 ) -> Result<StoreFile, Failure> {
     let factors = measure(enclosure, settings, control)?;
-    for block in factors.operator.blocks().iter().skip(checkpoint.resumed()) {
+    let pairs = factors.operator.pairs().expect("rows make pairs");
+    for block in pairs.blocks().iter().skip(checkpoint.resumed()) {
         checkpoint.append(&Saved(block))?;
     }
     Ok(checkpoint.finish(&last_records(&factors))?)
@@ -227,11 +313,18 @@ fn write_measured(
 /// # Errors
 /// Of the system.
 pub fn save(path: &Path, description: &str, factors: &FormFactors) -> Result<(), StoreError> {
-    let identity = Identity { kind: KIND, settings: factors.settings.clone() };
+    let kind = if factors.operator.pairs().is_some() { PAIRS } else { LINKS };
+    let identity = Identity { kind, settings: factors.settings.clone() };
     let head = head(description, factors.enclosure.patches());
     radiosity_store::save(path, &identity, &head, |writer| {
-        for block in factors.operator.blocks() {
-            writer.append(role::BLOCK, &Saved(block).sections())?;
+        match &factors.operator {
+            Exchange::Pairs(pairs) => {
+                pairs.blocks().iter().try_for_each(|b| writer.append(role::BLOCK, &Saved(b).sections()))?;
+            }
+            Exchange::Links(links) => {
+                let none = LinkTallies::default();
+                links.parts().iter().try_for_each(|part| writer.append(role::BLOCK, &none.sections_with(part)))?;
+            }
         }
         last_records(factors).iter().try_for_each(|(role, sections)| writer.append(*role, sections))
     })
@@ -329,6 +422,48 @@ impl Stored for PairBlock {
     }
 }
 
+/// Tallies of a block of links.
+#[derive(Default)]
+struct LinkTallies {
+    links: hierarchy::Tally,
+    pairs: Tally,
+}
+
+impl LinkTallies {
+    fn sections_with<'a>(&self, part: &'a Part) -> Vec<Section<'a>> {
+        let (counts, errors) = self.pairs.to_arrays();
+        let mut sections =
+            vec![Section::owned(&self.links.to_array()), Section::owned(&counts), Section::owned(&errors)];
+        sections.extend(part.sections());
+        sections
+    }
+}
+
+impl Stored for LinkBlock {
+    fn sections(&self) -> Vec<Section<'_>> {
+        LinkTallies { links: self.tally, pairs: self.pairs }.sections_with(&self.part)
+    }
+
+    fn from_sections(sections: &mut Sections<'_>) -> Result<Self, StoreError> {
+        let tally = hierarchy::Tally::from_array(&sections.take::<u64>()?);
+        let (counts, errors) = (sections.take::<u64>()?, sections.take::<f64>()?);
+        Ok(Self { tally, pairs: Tally::from_arrays(&counts, &errors), part: Part::from_sections(sections)? })
+    }
+}
+
+impl hierarchy::Tally {
+    fn to_array(self) -> [u64; 5] {
+        let Self { clear, sampled, mixed, rays, near_leaves } = self;
+        [clear, sampled, mixed, rays, near_leaves]
+    }
+
+    /// Numbers that are missing are zero.
+    fn from_array(counts: &[u64]) -> Self {
+        let count = |k: usize| counts.get(k).copied().unwrap_or(0);
+        Self { clear: count(0), sampled: count(1), mixed: count(2), rays: count(3), near_leaves: count(4) }
+    }
+}
+
 fn with_tally<'a>(tally: &Tally, block: &'a Block) -> Vec<Section<'a>> {
     let (counts, errors) = tally.to_arrays();
     let mut sections = vec![Section::owned(&counts), Section::owned(&errors)];
@@ -367,6 +502,7 @@ fn report_out(report: &FactorReport) -> Value {
     let (counts, errors) = report.tally.to_arrays();
     json!({
         "tally": counts,
+        "links": report.links.to_array(),
         "errors": errors,
         "estimated_error": report.estimated_error,
         "disagreement": report.disagreement,
@@ -376,12 +512,13 @@ fn report_out(report: &FactorReport) -> Value {
 
 fn report_in(told: &Value) -> FactorReport {
     let list = |name: &str| told[name].as_array().map_or(&[] as &[Value], Vec::as_slice);
-    let counts: Vec<u64> = list("tally").iter().map(|v| v.as_u64().unwrap_or(0)).collect();
+    let counts = |name: &str| list(name).iter().map(|v| v.as_u64().unwrap_or(0)).collect::<Vec<u64>>();
     // JSON has no infinity, which null stands for.
     let number = |v: &Value| v.as_f64().unwrap_or(f64::INFINITY);
     let errors: Vec<f64> = list("errors").iter().map(number).collect();
     FactorReport {
-        tally: Tally::from_arrays(&counts, &errors),
+        tally: Tally::from_arrays(&counts("tally"), &errors),
+        links: hierarchy::Tally::from_array(&counts("links")),
         estimated_error: number(&told["estimated_error"]),
         disagreement: number(&told["disagreement"]),
         samples: told["samples"].as_u64().unwrap_or(0),
@@ -412,6 +549,7 @@ impl Method {
             Method::Hemicube { resolution, positions } => {
                 json!({"method": "hemicube", "resolution": resolution, "hemicubes": positions})
             }
+            Method::Hierarchical => json!({"method": "hierarchical"}),
             Method::MonteCarlo { rays } => json!({"method": "monte_carlo", "rays": rays}),
         }
     }

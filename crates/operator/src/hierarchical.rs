@@ -87,6 +87,28 @@ impl PartBuilder {
 }
 
 impl Part {
+    /// From its arrays, in which anything may be, as [`Stored::sections`] has them: of a matrix of `n`.
+    ///
+    /// # Errors
+    /// If they do not fit each other, in words.
+    pub fn from_arrays(
+        n: usize,
+        links: Vec<u32>,
+        weights: Vec<f32>,
+        rows: Vec<u32>,
+        offsets: Vec<u32>,
+        (columns, values): (Vec<u32>, Vec<f32>),
+    ) -> Result<Self, String> {
+        let part = PartBuilder { links, weights, rows, offsets, columns, values }.build();
+        part.check(n)?;
+        Ok(part)
+    }
+
+    /// Adds the part's product with `x` to `y`, both by position.
+    pub fn add_to(&self, x: &[f64], y: &mut [f64]) {
+        self.add_product(x.as_chunks::<1>().0, y.as_chunks_mut::<1>().0);
+    }
+
     /// The number of far blocks.
     pub fn links(&self) -> usize {
         self.links.len() / 4
@@ -98,7 +120,7 @@ impl Part {
     }
 
     /// Numbers that a product reads.
-    fn size(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.weights.len() + self.columns.len()
     }
 

@@ -1,0 +1,82 @@
+//! The exchange of an enclosure, however it is kept.
+
+use radiosity_operator::{Hierarchical, Operator, Symmetric};
+
+/// G between all sides, m2.
+#[derive(Clone, Debug)]
+pub enum Exchange {
+    /// Each pair by itself.
+    Pairs(Symmetric),
+    /// Near pairs by themselves, far ones in blocks of rank one.
+    Links(Hierarchical),
+}
+
+impl Exchange {
+    /// The pairs, where each is kept by itself.
+    pub fn pairs(&self) -> Option<&Symmetric> {
+        match self {
+            Exchange::Pairs(pairs) => Some(pairs),
+            Exchange::Links(_) => None,
+        }
+    }
+
+    /// The entries of row `i` that are not zero, columns ascending.
+    pub fn row(&self, i: usize) -> Vec<(u32, f64)> {
+        match self {
+            Exchange::Pairs(pairs) => pairs.row(i),
+            Exchange::Links(links) => links.row(i),
+        }
+    }
+
+    /// The entries that it keeps, of rank one those of its vectors: what a product reads.
+    pub fn stored(&self) -> usize {
+        match self {
+            Exchange::Pairs(pairs) => pairs.stored(),
+            Exchange::Links(links) => links.parts().iter().map(radiosity_operator::Part::size).sum(),
+        }
+    }
+
+    /// Position in the matrix -> number of the side.
+    pub fn order(&self) -> &[u32] {
+        match self {
+            Exchange::Pairs(pairs) => pairs.order(),
+            Exchange::Links(links) => links.order(),
+        }
+    }
+
+    /// Checks what was read of a file, before the first use.
+    ///
+    /// # Errors
+    /// If an index is out of bounds, in words.
+    pub fn check_indices(&self) -> Result<(), String> {
+        match self {
+            Exchange::Pairs(pairs) => pairs.check_indices(),
+            Exchange::Links(links) => links.check_indices(),
+        }
+    }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        match self {
+            Exchange::Pairs(pairs) => pairs.memory_bytes(),
+            Exchange::Links(links) => links.memory_bytes(),
+        }
+    }
+
+    fn operator(&self) -> &dyn Operator {
+        match self {
+            Exchange::Pairs(pairs) => pairs,
+            Exchange::Links(links) => links,
+        }
+    }
+}
+
+impl Operator for Exchange {
+    fn len(&self) -> usize {
+        self.operator().len()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64], columns: usize) {
+        self.operator().apply(x, y, columns);
+    }
+}
