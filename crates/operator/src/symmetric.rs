@@ -1,7 +1,12 @@
 //! A symmetric matrix without diagonal, each pair stored once.
 
+mod rows;
+mod sweep;
+
 use crate::Operator;
+use crate::sweep::Update;
 use rayon::prelude::*;
+use rows::positions;
 use std::ops::Range;
 
 /// The upper triangle of a symmetric matrix in blocks of rows, dense or sparse as each block's filling suggests.
@@ -12,6 +17,8 @@ pub struct Symmetric {
     len: usize,
     /// Position in the matrix -> number. Numbers that are missing have empty rows.
     order: Vec<u32>,
+    /// Number -> position in the matrix.
+    position: Vec<u32>,
     blocks: Vec<Block>,
 }
 
@@ -57,7 +64,8 @@ impl Symmetric {
     pub fn from_blocks(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Self {
         let covered = blocks.iter().fold(0, |next, b| if b.rows.start == next { b.rows.end } else { usize::MAX });
         assert_eq!(covered, order.len(), "blocks cover all rows in order");
-        Self { len, order, blocks }
+        let position = positions(len, &order);
+        Self { len, order, position, blocks }
     }
 
     /// As one block: for each position of `rows` its entries above the diagonal, columns ascending.
@@ -72,7 +80,7 @@ impl Symmetric {
             values: rows.iter().flatten().map(|e| e.1).collect(),
         };
         // Several blocks let several threads work on a product.
-        Self { len: rows.len(), order: (0..rows.len() as u32).collect(), blocks: entries.divided(rows.len()) }
+        Self::from_blocks(rows.len(), (0..rows.len() as u32).collect(), entries.divided(rows.len()))
     }
 
     /// The number of pairs stored.
@@ -87,7 +95,7 @@ impl Symmetric {
             Entries::Single(values) => 4 * values.len(),
             Entries::Sparse { offsets, columns, values } => 8 * offsets.len() + 4 * columns.len() + 8 * values.len(),
         };
-        4 * self.order.len() + self.blocks.iter().map(|b| bytes(&b.entries)).sum::<usize>()
+        4 * (self.order.len() + self.position.len()) + self.blocks.iter().map(|b| bytes(&b.entries)).sum::<usize>()
     }
 
     /// Calls `visit(i, j, value)` for every pair that is not zero, once, in a fixed order.
@@ -140,19 +148,8 @@ impl Symmetric {
 
     /// The entries of row `i` that are not zero, columns ascending.
     pub fn row(&self, i: usize) -> Vec<(u32, f64)> {
-        let Some(position) = self.order.iter().position(|&k| k as usize == i) else { return Vec::new() };
-        let n = self.order.len();
         let mut row = Vec::new();
-        for block in self.blocks.iter().take_while(|b| b.rows.start <= position) {
-            for p in block.rows.clone() {
-                if p < position {
-                    row.push((self.order[p], block.at(n, p, position)));
-                } else if p == position {
-                    block.for_row(n, p, |q, v| row.push((self.order[q], v)));
-                }
-            }
-        }
-        row.retain(|e| e.1 != 0.0);
+        self.read_row(i, &mut row);
         row.sort_unstable_by_key(|e| e.0);
         row
     }
@@ -321,19 +318,6 @@ impl Block {
         }
     }
 
-    /// One entry above the diagonal.
-    fn at(&self, n: usize, p: usize, q: usize) -> f64 {
-        match &self.entries {
-            Entries::Dense(values) => values[self.start(n, p) + q - p - 1],
-            Entries::Single(values) => f64::from(values[self.start(n, p) + q - p - 1]),
-            Entries::Sparse { offsets, columns, values } => {
-                let row = p - self.rows.start;
-                let range = offsets[row]..offsets[row + 1];
-                columns[range.clone()].binary_search(&(q as u32)).map_or(0.0, |k| values[range.start + k])
-            }
-        }
-    }
-
     fn add_product<const C: usize>(&self, n: usize, x: &[[f64; C]], y: &mut [[f64; C]]) {
         for p in self.rows.clone() {
             let xp = x[p];
@@ -380,6 +364,14 @@ impl Operator for Symmetric {
                 }
             }
         }
+    }
+
+    fn read_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {
+        self.read_row_of(i, row);
+    }
+
+    fn sweep(&self, x: &mut [f64], columns: usize, update: &mut Update) {
+        self.sweep_any(x, columns, update);
     }
 }
 
@@ -449,7 +441,7 @@ mod tests {
         let values: Vec<f64> = (0..n).flat_map(|p| (p + 1..n).map(move |q| entry(p, q, 100))).collect();
         let block = Block::new(n, 0..n, &values, Precision::Single);
         let operator = Symmetric::from_blocks(n, (0..n as u32).collect(), vec![block]);
-        assert_eq!(operator.memory_bytes(), 4 * (n + values.len()));
+        assert_eq!(operator.memory_bytes(), 4 * (2 * n + values.len()));
         conformance::check(&operator);
         for (j, v) in operator.row(7) {
             assert!((v / entry(7, j as usize, 100) - 1.0).abs() < 6e-8);
