@@ -86,13 +86,10 @@ impl<'a> Task<'a> {
         control: &'a Control,
     ) -> Result<Self, Cancelled> {
         let enclosure = &factors.enclosure;
-        let per_side = |of: &dyn Fn(usize) -> &'a [f64]| -> Vec<f64> {
-            (0..enclosure.sides()).flat_map(|side| of(enclosure.patch_of(side))).copied().collect()
-        };
         Ok(Self {
             area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
-            reflectance: per_side(&|patch| lighting.reflectance_of(patch)),
-            emission: per_side(&|patch| lighting.emission_of(patch)),
+            reflectance: lighting.per_side(enclosure, |patch| lighting.reflectance_of(patch)),
+            emission: lighting.per_side(enclosure, |patch| lighting.emission_of(patch)),
             incident: Incident::new(enclosure, lighting, settings.seed, control)?,
             factors,
             lighting,

@@ -19,6 +19,8 @@ pub enum Limit {
     Samples,
     /// The solver did not converge.
     Solver,
+    /// Rows found on demand are not accurate enough with the most hemicubes a side.
+    Hemicubes,
 }
 
 impl Limit {
@@ -31,6 +33,7 @@ impl Limit {
             Limit::Memory => "memory",
             Limit::Samples => "samples",
             Limit::Solver => "solver",
+            Limit::Hemicubes => "hemicubes",
         }
     }
 }
@@ -58,6 +61,10 @@ pub struct Report {
     pub rays: u64,
     /// Visibility tests of luminaires.
     pub shadow_rays: u64,
+    /// Rows that were found on demand.
+    pub rows_on_demand: u64,
+    /// Hemicubes drawn for them.
+    pub hemicubes: u64,
     /// Rounds of sampling.
     pub rounds: usize,
     /// The last solve.

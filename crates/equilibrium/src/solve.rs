@@ -5,11 +5,12 @@ use crate::error::{Estimate, estimate};
 use crate::given::solve_given;
 use crate::lighting::Lighting;
 use crate::method::Method;
+use crate::on_demand::solve_on_rows;
 use crate::plan::{Kind, plan};
 use crate::report::{Limit, Report, Seconds, SolverReport};
 use crate::transport::Transport;
 use radiosity_exchange::operator::ElementExchange;
-use radiosity_exchange::{Elements, Enclosure, FormFactors};
+use radiosity_exchange::{Elements, Enclosure, FormFactors, RowsOnDemand};
 use radiosity_operator::{Cancelled, Control};
 use radiosity_solvers::{SolveOptions, Stop};
 use std::sync::Arc;
@@ -112,6 +113,8 @@ pub enum Source {
     Measured(Arc<Measurement>),
     /// Form factors, as they were given.
     Given(Arc<FormFactors>),
+    /// Rows found as they were asked for.
+    OnDemand(Arc<RowsOnDemand>),
 }
 
 impl Source {
@@ -120,6 +123,7 @@ impl Source {
         match self {
             Source::Measured(measurement) => measurement.transport.enclosure(),
             Source::Given(factors) => &factors.enclosure,
+            Source::OnDemand(rows) => rows.enclosure(),
         }
     }
 }
@@ -229,6 +233,7 @@ pub fn relight(
     let measurement = match source {
         Source::Measured(measurement) => measurement,
         Source::Given(factors) => return solve_given(factors, lighting, settings, None, control),
+        Source::OnDemand(rows) => return solve_on_rows(rows.clone(), lighting, settings, None, control),
     };
     let start = Instant::now();
     let task = task(measurement, lighting, settings, control);
@@ -374,6 +379,8 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
         luminaires: transport.luminaires().len(),
         rays: transport.shots().total() as u64,
         shadow_rays: transport.lights().total() as u64,
+        rows_on_demand: 0,
+        hemicubes: 0,
         rounds: 0,
         solver: SolverReport::of(settings.method, answer.solver.clone()),
         energy: estimate.energy.clone(),

@@ -17,4 +17,4 @@ pub use jacobi::jacobi;
 pub use over_relaxation::over_relaxation;
 pub use problem::{Problem, ProblemError};
 pub use report::{Flow, History, Ledger, Observer, Snapshot, SolveOptions, SolveReport, Stop};
-pub use southwell::{Overshoot, southwell};
+pub use southwell::{Light, Overshoot, shoot, southwell};

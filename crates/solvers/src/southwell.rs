@@ -32,6 +32,17 @@ pub enum Overshoot {
 /// Without a limit, as in the article, the furnished room at a reflectance of 0.99 diverged.
 pub const MOST_RELAXATION: f64 = 1.5;
 
+/// What shooting leaves, elements x bands, W/m2.
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// What leaves.
+    pub radiosity: Vec<f64>,
+    /// What arrived, from outside the exchange included; of black elements too, whose radiosity does not tell.
+    pub irradiance: Vec<f64>,
+    /// The part of the radiosity that was not sent on.
+    pub unshot: Vec<f64>,
+}
+
 /// Solves for the radiosity of every element and band.
 pub fn southwell<X: Rows + ?Sized>(
     problem: &Problem<X>,
@@ -39,15 +50,28 @@ pub fn southwell<X: Rows + ?Sized>(
     options: &SolveOptions,
     control: &Control,
 ) -> Result<(Vec<f64>, SolveReport), Cancelled> {
+    let (light, report) = shoot(problem, overshoot, options, control)?;
+    Ok((light.radiosity, report))
+}
+
+/// Shoots until the residual is as wanted.
+pub fn shoot<X: Rows + ?Sized>(
+    problem: &Problem<X>,
+    overshoot: Overshoot,
+    options: &SolveOptions,
+    control: &Control,
+) -> Result<(Light, SolveReport), Cancelled> {
     let mut shooting = Shooting::new(problem, overshoot);
     let (mut track, mut row) = (Track::new(options, control), Vec::new());
     loop {
         let survey = shooting.survey();
         let unshot = ratio(survey.unshot.iter().sum(), shooting.emitted);
         let residual = worst_ratio(&survey.squares, &shooting.scale);
-        if track.note(residual, Some(unshot), || (shooting.radiosity.clone(), shooting.ambient(&survey.unshot)))? {
+        if track.note(residual, Some(unshot), || (shooting.radiosity(), shooting.ambient(&survey.unshot)))? {
+            let radiosity = shooting.radiosity();
             let ledger = Ledger { unshot: survey.unshot, ..shooting.ledger };
-            return Ok((shooting.radiosity, track.finish(Some(ledger))));
+            let light = Light { radiosity, irradiance: shooting.irradiance, unshot: shooting.unshot };
+            return Ok((light, track.finish(Some(ledger))));
         }
         let batch = problem.exchange.batch(survey.brightest);
         if batch > 1 {
@@ -63,7 +87,7 @@ pub fn southwell<X: Rows + ?Sized>(
 struct Shooting<'a, X: ?Sized> {
     problem: &'a Problem<'a, X>,
     overshoot: Overshoot,
-    radiosity: Vec<f64>,
+    irradiance: Vec<f64>,
     unshot: Vec<f64>,
     ledger: Ledger,
     /// Power of all bands together at the start, W.
@@ -93,7 +117,7 @@ impl<'a, X: Rows + ?Sized> Shooting<'a, X> {
         let none = vec![0.0; problem.bands];
         Self {
             overshoot,
-            radiosity: source.clone(),
+            irradiance: problem.incident.to_vec(),
             emitted: emitted.iter().sum(),
             scale: problem.squares(&source),
             ambient_per_watt: problem.power(problem.reflectance).iter().map(ambient).collect(),
@@ -101,6 +125,11 @@ impl<'a, X: Rows + ?Sized> Shooting<'a, X> {
             unshot: source,
             problem,
         }
+    }
+
+    fn radiosity(&self) -> Vec<f64> {
+        let Problem { emission, reflectance, .. } = self.problem;
+        emission.iter().zip(*reflectance).zip(&self.irradiance).map(|((e, rho), h)| e + rho * h).collect()
     }
 
     fn survey(&self) -> Survey {
@@ -162,9 +191,8 @@ impl<'a, X: Rows + ?Sized> Shooting<'a, X> {
             arrived += g;
             for (c, sent) in sent.iter().enumerate() {
                 let k = j * bands + c;
-                let reflected = problem.reflectance[k] * share * sent;
-                self.radiosity[k] += reflected;
-                self.unshot[k] += reflected;
+                self.irradiance[k] += share * sent;
+                self.unshot[k] += problem.reflectance[k] * share * sent;
                 self.ledger.absorbed[c] += (1.0 - problem.reflectance[k]) * g * sent;
             }
         }

@@ -70,7 +70,7 @@ impl Default for Settings {
 impl Settings {
     /// # Panics
     /// If a field is out of its range.
-    fn check(&self) {
+    pub(crate) fn check(&self) {
         let Self { resolution, positions, .. } = *self;
         assert!(
             resolution % 2 == 0 && (8..=4096).contains(&resolution),
@@ -101,6 +101,20 @@ pub fn rows_of(
     settings.check();
     Scene::new(enclosure, settings, Kernel::detect()).rows_of(sides, control)
 }
+
+/// The rows of some sides as each of their hemicubes found them: by side, then by position.
+///
+/// # Panics
+/// If a field of `settings` is out of its range.
+pub fn rows_by_position(enclosure: &Enclosure, sides: &[usize], settings: &Settings) -> Vec<Vec<Row>> {
+    settings.check();
+    let scene = Scene::new(enclosure, settings, Kernel::detect());
+    let rows = |hemicube: &mut Hemicube, &side: &usize| hemicube.rows_by_position(&scene, side);
+    sides.par_iter().map_init(|| Hemicube::new(&scene), rows).collect()
+}
+
+/// `(side, F)` in ascending order.
+type Row = Vec<(u32, f64)>;
 
 /// What the hemicube at the first position of a side sees, pixel by pixel.
 ///
@@ -186,6 +200,19 @@ impl Hemicube {
             }
         }
         self.tally.take(scene.enclosure.sides(), 1.0 / scene.settings.positions as f64)
+    }
+
+    /// What each position of a side sees by itself.
+    fn rows_by_position(&mut self, scene: &Scene, side: usize) -> Vec<Row> {
+        let (positions, sides) = (scene.settings.positions, scene.enclosure.sides());
+        if scene.enclosure.area(side) == 0.0 {
+            return vec![Row::new(); positions];
+        }
+        let row = |index| {
+            self.see(scene, &stand(scene.enclosure, side, scene.settings, index));
+            self.tally.take(sides, 1.0)
+        };
+        (0..positions).map(row).collect()
     }
 
     /// Adds what is seen from one position to the tally.

@@ -1,0 +1,236 @@
+//! Progressive refinement without a matrix: sides shoot through rows that are found when they are asked for.
+//!
+//! The error of the answer has three parts. Rows have a spread from hemicube to hemicube; what a side receives has the
+//! root of the sum of squares of those of all who shot. What that is wrong by is reflected, for which the ambient term
+//! stands: rows of sides that never shot are not known. And what is unshot would still arrive. Where the error is larger
+//! than wanted, all begins anew with as many hemicubes as it takes.
+
+use crate::answer::ratio;
+use crate::energy::Energy;
+use crate::incident::Incident;
+use crate::lighting::Lighting;
+use crate::report::{Limit, Report, Seconds, SolverReport};
+use crate::solve::{Failure, Settings, Solution, Source, closure};
+use radiosity_exchange::{Enclosure, RowsOnDemand, on_demand};
+use radiosity_operator::{Cancelled, Control};
+use radiosity_solvers::{Ledger, Light, Observer, Overshoot, Problem, SolveOptions, Stop, shoot};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Hemicubes a side to begin with, and the most.
+const FIRST_POSITIONS: usize = 4;
+const MOST_POSITIONS: usize = 64;
+
+/// Pixels along an edge: several coarse hemicubes tell more of a side than a fine one.
+const RESOLUTION: usize = 256;
+
+/// Solves on rows found on demand, with as many hemicubes as the accuracy takes. The observer sees every shot, and those
+/// of a new start from 0 on.
+pub fn solve_on_demand(
+    enclosure: &Arc<Enclosure>,
+    lighting: &Lighting,
+    settings: &Settings,
+    observer: Option<&Observer>,
+    control: &Control,
+) -> Result<Solution, Failure> {
+    let (start, sides) = (Instant::now(), enclosure.sides());
+    let needed = RowsOnDemand::least_memory(sides);
+    if needed > settings.memory_limit {
+        let patches = enclosure.patches().len();
+        return Err(Failure::Memory { patches, needed, limit: settings.memory_limit });
+    }
+    let mut positions = FIRST_POSITIONS;
+    for rounds in 1.. {
+        let (seed, memory_limit) = (settings.seed, settings.memory_limit);
+        let how = on_demand::Settings { resolution: RESOLUTION, positions, seed, memory_limit };
+        let rows = Arc::new(RowsOnDemand::new(enclosure.clone(), how));
+        let mut solution = solve_on_rows(rows, lighting, settings, observer, control)?;
+        let report = &mut solution.report;
+        report.rounds = rounds;
+        report.seconds.total = start.elapsed().as_secs_f64();
+        if report.limited_by != Some(Limit::Hemicubes) || positions == MOST_POSITIONS {
+            return Ok(solution);
+        }
+        // The error of a mean falls as the root of their number or faster.
+        let wanted = positions as f64 * (report.sampling_error / settings.accuracy).powi(2);
+        positions = (wanted.ceil() as usize).next_power_of_two().clamp(2 * positions, MOST_POSITIONS);
+    }
+    unreachable!("the loop ends by returning")
+}
+
+/// Solves on rows as they are found.
+pub(crate) fn solve_on_rows(
+    rows: Arc<RowsOnDemand>,
+    lighting: &Lighting,
+    settings: &Settings,
+    observer: Option<&Observer>,
+    control: &Control,
+) -> Result<Solution, Failure> {
+    let (start, found_before) = (Instant::now(), rows.found());
+    let task = Task::new(&rows, lighting, settings, control)?;
+    let overshoot = settings.method.overshoot().unwrap_or(Overshoot::None);
+    let tolerance = 0.05 * settings.accuracy.min(0.1) * (1.0 - lighting.highest_reflectance());
+    let max_iterations = settings.most_iterations(rows.enclosure().sides());
+    let options = SolveOptions { tolerance, max_iterations, observer };
+    let (light, solver) = shoot(&task.problem(), overshoot, &options, control)?;
+    let (sampling, error) = task.error(&light, control)?;
+    let estimated_error = task.relative(&error, &light.irradiance);
+    let limit = match solver.stop {
+        Stop::Converged if estimated_error <= settings.accuracy => Limit::Accuracy,
+        Stop::Converged => Limit::Hemicubes,
+        _ => Limit::Solver,
+    };
+    let found = rows.found() - found_before;
+    let total = start.elapsed().as_secs_f64();
+    let ledger = solver.ledger.clone().unwrap_or_default();
+    let report = Report {
+        accuracy: settings.accuracy,
+        estimated_error,
+        sampling_error: task.relative(&sampling, &light.irradiance),
+        limited_by: Some(limit),
+        patches: rows.enclosure().patches().len(),
+        sides: rows.enclosure().sides(),
+        luminaires: lighting.lamps.len(),
+        shadow_rays: task.incident.tests,
+        rows_on_demand: found,
+        hemicubes: found * rows.settings().positions as u64,
+        rounds: 1,
+        solver: SolverReport::of(settings.method, solver),
+        closure: task.closure(&light),
+        energy: task.energy(&light, &ledger),
+        memory_bytes: rows.enclosure().memory_bytes() + rows.memory_bytes(),
+        seconds: Seconds { sampling: 0.0, solving: total, total },
+        ..Report::default()
+    };
+    let Light { irradiance, radiosity, .. } = light;
+    Ok(Solution { irradiance, radiosity, error, report, source: Source::OnDemand(rows.clone()) })
+}
+
+/// What stays the same through one solve. Blocks are sides x bands.
+struct Task<'a> {
+    rows: &'a RowsOnDemand,
+    bands: usize,
+    area: Vec<f64>,
+    reflectance: Vec<f64>,
+    emission: Vec<f64>,
+    incident: Incident,
+}
+
+impl<'a> Task<'a> {
+    fn new(
+        rows: &'a RowsOnDemand,
+        lighting: &Lighting,
+        settings: &Settings,
+        control: &Control,
+    ) -> Result<Self, Cancelled> {
+        let enclosure = rows.enclosure();
+        Ok(Self {
+            rows,
+            bands: lighting.bands,
+            area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
+            reflectance: lighting.per_side(enclosure, |patch| lighting.reflectance_of(patch)),
+            emission: lighting.per_side(enclosure, |patch| lighting.emission_of(patch)),
+            incident: Incident::new(enclosure, lighting, settings.seed, control)?,
+        })
+    }
+
+    fn problem(&self) -> Problem<'_, RowsOnDemand> {
+        Problem {
+            exchange: self.rows,
+            area: &self.area,
+            reflectance: &self.reflectance,
+            emission: &self.emission,
+            incident: &self.incident.mean,
+            bands: self.bands,
+        }
+    }
+
+    /// Sides that shot, with what they shot in each band, W/m2.
+    fn shooters<'b>(&'b self, light: &'b Light) -> impl Iterator<Item = (usize, Vec<f64>)> + 'b {
+        let shot = |k: usize| light.radiosity[k] - light.unshot[k];
+        (0..self.area.len())
+            .map(move |i| (i, (i * self.bands..(i + 1) * self.bands).map(shot).collect::<Vec<f64>>()))
+            .filter(|(_, shot)| shot.iter().any(|v| *v != 0.0))
+    }
+
+    /// The error of irradiance by rows and lamps, and all of it.
+    fn error(&self, light: &Light, control: &Control) -> Result<(Vec<f64>, Vec<f64>), Cancelled> {
+        let mut variance: Vec<f64> = self.incident.standard_error.iter().map(|s| s * s).collect();
+        for (i, shot) in self.shooters(light) {
+            control.check()?;
+            let row = self.rows.row(i);
+            for (&(j, _), &error) in row.entries.iter().zip(&row.error) {
+                let share = ratio(f64::from(error), self.area[j as usize]);
+                for (c, shot) in shot.iter().enumerate() {
+                    variance[j as usize * self.bands + c] += (share * shot).powi(2);
+                }
+            }
+        }
+        let mut sampling: Vec<f64> = variance.iter().map(|v| v.sqrt()).collect();
+        let reflected: Vec<f64> = sampling.iter().zip(&self.reflectance).map(|(e, rho)| e * rho).collect();
+        self.add_ambient(&reflected, &mut sampling);
+        let mut error = sampling.clone();
+        self.add_ambient(&light.unshot, &mut error);
+        Ok((sampling, error))
+    }
+
+    /// Adds the irradiance that `radiosity` comes to if it arrives evenly, again and again.
+    fn add_ambient(&self, radiosity: &[f64], irradiance: &mut [f64]) {
+        let whole: f64 = self.area.iter().sum();
+        let sum = |of: &dyn Fn(usize) -> f64, band: usize| -> f64 {
+            (0..self.area.len()).map(|i| self.area[i] * of(i * self.bands + band)).sum()
+        };
+        for band in 0..self.bands {
+            let absorbed = whole - sum(&|k| self.reflectance[k], band);
+            let ambient = ratio(sum(&|k| radiosity[k].abs(), band), absorbed);
+            irradiance.iter_mut().skip(band).step_by(self.bands).for_each(|h| *h += ambient);
+        }
+    }
+
+    /// Root mean square over area and bands, relative to the mean of the irradiance.
+    fn relative(&self, error: &[f64], irradiance: &[f64]) -> f64 {
+        let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
+        for (k, h) in irradiance.iter().enumerate() {
+            let area = self.area[k / self.bands];
+            squares += area * error[k] * error[k];
+            level += area * h;
+            whole += area;
+        }
+        ratio((squares * whole).sqrt(), level)
+    }
+
+    /// Row sums of the sides that shot.
+    fn closure(&self, light: &Light) -> (f64, f64, f64) {
+        let (mut sums, mut areas) = (Vec::new(), Vec::new());
+        for (i, _) in self.shooters(light) {
+            let sum: f64 = self.rows.row(i).entries.iter().map(|e| f64::from(e.1)).sum();
+            sums.push(ratio(sum, self.area[i]));
+            areas.push(self.area[i]);
+        }
+        closure(&sums, &areas)
+    }
+
+    /// The balance of power: what is unshot is what it cannot explain.
+    fn energy(&self, light: &Light, ledger: &Ledger) -> Energy {
+        let none = || vec![0.0; self.bands];
+        let mut energy = Energy {
+            emitted: none(),
+            from_lights: none(),
+            absorbed: none(),
+            escaped: ledger.escaped.clone(),
+            lost_on_backs: none(),
+            imbalance: 0.0,
+            escape_share: 0.0,
+        };
+        for k in 0..light.irradiance.len() {
+            let (area, band) = (self.area[k / self.bands], k % self.bands);
+            energy.emitted[band] += area * self.emission[k];
+            energy.from_lights[band] += area * self.incident.mean[k];
+            energy.absorbed[band] += area * (1.0 - self.reflectance[k]) * light.irradiance[k];
+        }
+        let (shot, escaped): (f64, f64) = (ledger.shot.iter().sum(), ledger.escaped.iter().sum());
+        energy.escape_share = ratio(escaped, shot);
+        energy.balance();
+        energy
+    }
+}
