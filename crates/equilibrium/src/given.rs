@@ -30,7 +30,7 @@ pub fn solve_given(
     let options = SolveOptions { observer, ..task.options() };
     let (radiosity, solver) = task.solve(method.solver(), &task.emission, &task.incident.mean, &options)?;
     let irradiance = task.irradiance(&radiosity, &task.incident.mean);
-    let error = task.error(&radiosity)?;
+    let error = task.error(&radiosity, &irradiance)?;
     let energy = task.energy(&radiosity, &irradiance);
     let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
     for (k, h) in irradiance.iter().enumerate() {
@@ -133,8 +133,8 @@ impl<'a> Task<'a> {
         self.gather(&self.factors.operator, radiosity).iter().zip(incident).map(|(h, i)| h + i).collect()
     }
 
-    /// The error of irradiance: its own of each side, carried through the interreflections.
-    fn error(&self, radiosity: &[f64]) -> Result<Vec<f64>, Cancelled> {
+    /// The error of irradiance: its own of each side and what the solver left, carried through the interreflections.
+    fn error(&self, radiosity: &[f64], irradiance: &[f64]) -> Result<Vec<f64>, Cancelled> {
         let squares: Vec<f64> = radiosity.iter().map(|b| b * b).collect();
         let variance = match &self.factors.standard_error {
             Some(error) => {
@@ -154,7 +154,10 @@ impl<'a> Task<'a> {
             variance.iter().zip(&self.incident.standard_error).map(|(v, s)| (v + s * s).max(0.0).sqrt()).collect();
         // Whatever the solver is, its limits are not those of the error.
         let options = SolveOptions { max_iterations: MOST_ITERATIONS, ..self.options() };
-        let (carried, _) = self.solve(conjugate_gradient, &vec![0.0; own.len()], &own, &options)?;
+        let left: Vec<f64> = (0..own.len())
+            .map(|k| (self.emission[k] + self.reflectance[k] * irradiance[k] - radiosity[k]).abs())
+            .collect();
+        let (carried, _) = self.solve(conjugate_gradient, &left, &own, &options)?;
         Ok(self.irradiance(&carried, &own))
     }
 

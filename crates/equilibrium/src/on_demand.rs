@@ -1,9 +1,10 @@
 //! Progressive refinement without a matrix: sides shoot through rows that are found when they are asked for.
 //!
-//! The error of the answer has three parts. Rows have a spread from hemicube to hemicube; what a side receives has the
-//! root of the sum of squares of those of all who shot. What that is wrong by is reflected, for which the ambient term
-//! stands: rows of sides that never shot are not known. And what is unshot would still arrive. Where the error is larger
-//! than wanted, all begins anew with as many hemicubes as it takes.
+//! The error of the answer has three parts. Rows have an error by the spread of their hemicubes; what a side receives has
+//! the root of the sum of squares of those of all who shot. What that is wrong by is reflected, for which the ambient
+//! term stands: rows of sides that never shot are not known. It adds in squares, as too much here is too little elsewhere
+//! in the same row. And what is unshot would still arrive. Where the error is larger than wanted, all begins anew with as
+//! many hemicubes as it takes.
 
 use crate::answer::ratio;
 use crate::energy::Energy;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Hemicubes a side to begin with, and the most.
-const FIRST_POSITIONS: usize = 4;
+const FIRST_POSITIONS: usize = 8;
 const MOST_POSITIONS: usize = 64;
 
 /// Pixels along an edge: several coarse hemicubes tell more of a side than a fine one.
@@ -51,8 +52,8 @@ pub fn solve_on_demand(
         if report.limited_by != Some(Limit::Hemicubes) || positions == MOST_POSITIONS {
             return Ok(solution);
         }
-        // The error of a mean falls as the root of their number or faster.
-        let wanted = positions as f64 * (report.sampling_error / settings.accuracy).powi(2);
+        // Over smooth light the error falls as their number, across shadows as its root.
+        let wanted = positions as f64 * (report.sampling_error / settings.accuracy).powf(1.5);
         positions = (wanted.ceil() as usize).next_power_of_two().clamp(2 * positions, MOST_POSITIONS);
     }
     unreachable!("the loop ends by returning")
@@ -168,23 +169,20 @@ impl<'a> Task<'a> {
         }
         let mut sampling: Vec<f64> = variance.iter().map(|v| v.sqrt()).collect();
         let reflected: Vec<f64> = sampling.iter().zip(&self.reflectance).map(|(e, rho)| e * rho).collect();
-        self.add_ambient(&reflected, &mut sampling);
-        let mut error = sampling.clone();
-        self.add_ambient(&light.unshot, &mut error);
+        let (carried, missing) = (self.ambient(&reflected), self.ambient(&light.unshot));
+        sampling.iter_mut().enumerate().for_each(|(k, e)| *e = e.hypot(carried[k % self.bands]));
+        let error = sampling.iter().enumerate().map(|(k, e)| e + missing[k % self.bands]).collect();
         Ok((sampling, error))
     }
 
-    /// Adds the irradiance that `radiosity` comes to if it arrives evenly, again and again.
-    fn add_ambient(&self, radiosity: &[f64], irradiance: &mut [f64]) {
+    /// Per band the irradiance that `radiosity` comes to, whatever its sign, if it arrives evenly, again and again.
+    fn ambient(&self, radiosity: &[f64]) -> Vec<f64> {
         let whole: f64 = self.area.iter().sum();
         let sum = |of: &dyn Fn(usize) -> f64, band: usize| -> f64 {
             (0..self.area.len()).map(|i| self.area[i] * of(i * self.bands + band)).sum()
         };
-        for band in 0..self.bands {
-            let absorbed = whole - sum(&|k| self.reflectance[k], band);
-            let ambient = ratio(sum(&|k| radiosity[k].abs(), band), absorbed);
-            irradiance.iter_mut().skip(band).step_by(self.bands).for_each(|h| *h += ambient);
-        }
+        let of = |band| ratio(sum(&|k| radiosity[k].abs(), band), whole - sum(&|k| self.reflectance[k], band));
+        (0..self.bands).map(of).collect()
     }
 
     /// Root mean square over area and bands, relative to the mean of the irradiance.

@@ -2,7 +2,7 @@
 
 use crate::patches::Enclosure;
 use crate::scene::LightTuple;
-use crate::solution::{Solution, lighting_in, settings};
+use crate::solution::{Solution, lighting_in, observed, settings};
 use crate::{convert, errors, watch};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
@@ -190,7 +190,8 @@ impl Factors {
     }
 
     /// Solves `B = E + rho F B` on these form factors as they are.
-    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, seed, threads=None, progress=None))]
+    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, seed, max_iterations=None, threads=None,
+                        progress=None, on_iterate=None))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -200,13 +201,16 @@ impl Factors {
         accuracy: f64,
         method: &str,
         seed: u64,
+        max_iterations: Option<usize>,
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
+        on_iterate: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
-        let settings = settings(accuracy, seed, 0, u64::MAX, method, true)?;
+        let settings = settings(accuracy, seed, 0, u64::MAX, method, max_iterations, true)?;
         let lighting = lighting_in(&self.inner.enclosure, reflectance, emission, lamps)?;
-        let result = watch::run(py, threads, progress.as_ref(), |control| {
-            radiosity_equilibrium::solve_given(&self.inner, &lighting, &settings, control)
+        let shape = (self.inner.enclosure.patches().len(), lighting.bands);
+        let result = observed(py, threads, progress, on_iterate, shape, |observer, control| {
+            radiosity_equilibrium::solve_given(&self.inner, &lighting, &settings, observer, control)
         })?;
         Solution::new(result, lighting.bands)
     }
