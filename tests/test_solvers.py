@@ -118,12 +118,14 @@ class TestShooting:
         assert abs(solution.report.imbalance) < 0.005
 
     def test_only_patches_that_shoot_are_looked_at(self) -> None:
-        scene = scenes.cornell_box()
-        patches = scene.patches(count=800)
-        report = solve(patches, solver="southwell", accuracy=0.1, max_iterations=5).report
-        # They are found sixteen at a time.
-        assert report.rows_on_demand == 16
-        assert report.hemicubes == 8 * 16
+        patches = scenes.cornell_box().patches(count=800)
+        lamps = int(np.count_nonzero(patches.emission.any(axis=1)))
+        report = solve(patches, solver="southwell", accuracy=0.1, max_iterations=lamps).report
+        assert report.rows_on_demand == lamps
+        assert report.hemicubes == 8 * lamps
+        # The next is found together with fifteen more.
+        report = solve(patches, solver="southwell", accuracy=0.1, max_iterations=lamps + 1).report
+        assert report.rows_on_demand == lamps + 16
         assert not report.converged
 
     def test_the_error_is_honest(self, cornell: radiosity.Solution) -> None:

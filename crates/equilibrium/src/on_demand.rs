@@ -147,11 +147,8 @@ impl<'a> Task<'a> {
     }
 
     /// Sides that shot, with what they shot in each band, W/m2.
-    fn shooters<'b>(&'b self, light: &'b Light) -> impl Iterator<Item = (usize, Vec<f64>)> + 'b {
-        let shot = |k: usize| light.radiosity[k] - light.unshot[k];
-        (0..self.area.len())
-            .map(move |i| (i, (i * self.bands..(i + 1) * self.bands).map(shot).collect::<Vec<f64>>()))
-            .filter(|(_, shot)| shot.iter().any(|v| *v != 0.0))
+    fn shooters<'b>(&self, light: &'b Light) -> impl Iterator<Item = (usize, &'b [f64])> {
+        light.shot.chunks_exact(self.bands).enumerate().filter(|(_, shot)| shot.iter().any(|v| *v != 0.0))
     }
 
     /// The error of irradiance by rows and lamps, and all of it.
@@ -201,7 +198,8 @@ impl<'a> Task<'a> {
     fn closure(&self, light: &Light) -> (f64, f64, f64) {
         let (mut sums, mut areas) = (Vec::new(), Vec::new());
         for (i, _) in self.shooters(light) {
-            let sum: f64 = self.rows.row(i).entries.iter().map(|e| f64::from(e.1)).sum();
+            // From 0, as the sum of nothing is -0.
+            let sum = self.rows.row(i).entries.iter().fold(0.0, |sum, e| sum + f64::from(e.1));
             sums.push(ratio(sum, self.area[i]));
             areas.push(self.area[i]);
         }

@@ -39,7 +39,9 @@ pub struct Light {
     pub radiosity: Vec<f64>,
     /// What arrived, from outside the exchange included; of black elements too, whose radiosity does not tell.
     pub irradiance: Vec<f64>,
-    /// The part of the radiosity that was not sent on.
+    /// The part of the radiosity that was sent on.
+    pub shot: Vec<f64>,
+    /// The part that was not.
     pub unshot: Vec<f64>,
 }
 
@@ -70,7 +72,8 @@ pub fn shoot<X: Rows + ?Sized>(
         if track.note(residual, Some(unshot), || (shooting.radiosity(), shooting.ambient(&survey.unshot)))? {
             let radiosity = shooting.radiosity();
             let ledger = Ledger { unshot: survey.unshot, ..shooting.ledger };
-            let light = Light { radiosity, irradiance: shooting.irradiance, unshot: shooting.unshot };
+            let light =
+                Light { radiosity, irradiance: shooting.irradiance, shot: shooting.shot, unshot: shooting.unshot };
             return Ok((light, track.finish(Some(ledger))));
         }
         let batch = problem.exchange.batch(survey.brightest);
@@ -88,14 +91,17 @@ struct Shooting<'a, X: ?Sized> {
     problem: &'a Problem<'a, X>,
     overshoot: Overshoot,
     irradiance: Vec<f64>,
+    shot: Vec<f64>,
     unshot: Vec<f64>,
     ledger: Ledger,
     /// Power of all bands together at the start, W.
     emitted: f64,
     /// Squares of the norms of the residual at the start, per band.
     scale: Vec<f64>,
-    /// Per band the ambient irradiance that a watt of unshot power stands for: what is reflected again and again.
-    ambient_per_watt: Vec<f64>,
+    /// Area of all elements, m2.
+    whole: f64,
+    /// Mean over area, per band.
+    mean_reflectance: Vec<f64>,
 }
 
 /// What a look at all elements finds.
@@ -113,14 +119,15 @@ impl<'a, X: Rows + ?Sized> Shooting<'a, X> {
         let source = problem.source();
         let whole: f64 = problem.area.iter().sum();
         let emitted = problem.power(&source);
-        let ambient = |reflected: &f64| ratio(1.0, whole * (1.0 - ratio(*reflected, whole)));
         let none = vec![0.0; problem.bands];
         Self {
             overshoot,
             irradiance: problem.incident.to_vec(),
+            shot: vec![0.0; source.len()],
             emitted: emitted.iter().sum(),
             scale: problem.squares(&source),
-            ambient_per_watt: problem.power(problem.reflectance).iter().map(ambient).collect(),
+            mean_reflectance: problem.power(problem.reflectance).iter().map(|p| ratio(*p, whole)).collect(),
+            whole,
             ledger: Ledger { emitted, shot: none.clone(), absorbed: none.clone(), escaped: none, unshot: Vec::new() },
             unshot: source,
             problem,
@@ -170,9 +177,13 @@ impl<'a, X: Rows + ?Sized> Shooting<'a, X> {
     /// What is still to arrive per band, if it came evenly everywhere, W/m2.
     ///
     /// Unshot power P in a closed room of area A and mean reflectance rho arrives as P, P rho, P rho^2 ...: P / (1 - rho)
-    /// in all, on A.
+    /// in all, on A. Where a part escapes, only the rest arrives each time; of what was shot that part is known.
     fn ambient(&self, unshot: &[f64]) -> Vec<f64> {
-        unshot.iter().zip(&self.ambient_per_watt).map(|(p, a)| p * a).collect()
+        let of = |c: usize| {
+            let kept = 1.0 - ratio(self.ledger.escaped[c], self.ledger.shot[c]).clamp(0.0, 1.0);
+            ratio(unshot[c].abs() * kept, self.whole * (1.0 - self.mean_reflectance[c] * kept)).copysign(unshot[c])
+        };
+        (0..unshot.len()).map(of).collect()
     }
 
     /// Element `i` shoots through its row of the exchange.
@@ -181,6 +192,7 @@ impl<'a, X: Rows + ?Sized> Shooting<'a, X> {
         let ambient = self.ambient(unshot);
         let sent: Vec<f64> = (0..bands).map(|c| self.to_shoot(i, c, ambient[c])).collect();
         for (c, sent) in sent.iter().enumerate() {
+            self.shot[i * bands + c] += sent;
             self.unshot[i * bands + c] -= sent;
             self.ledger.shot[c] += problem.area[i] * sent;
         }
