@@ -73,8 +73,8 @@ for name, points in placed.items():
     style = {"marker": "o", "ls": "--"} if ROWS[name] == n else {}
     axes.plot(*np.transpose(points), label=NAMES.get(name, "Jacobi"), **style)
 axes.plot(*np.transpose(guessed), ":", color="C0", label="Southwell with the ambient term")
-axes.set(xscale="symlog", xlim=(0, 6 * n), ylim=(0.5, 1.15), xlabel=f"rows of form factors read, one a shot ({n} are a product)",
-         ylabel="energy placed, as a share of all", title="Cornell box: light on its way")  # fmt: skip
+axes.set(xscale="symlog", xlim=(0, 6 * n), xlabel=f"rows of form factors read, one a shot ({n} are a product)")
+axes.set(ylim=(0.5, 1.15), ylabel="energy placed, as a share of all", title="Cornell box: light on its way")
 axes.axhline(1, color="0.8", lw=0.8, zorder=0)
 axes.legend(loc="lower right", frameon=False)
 figure.savefig(OUT / "progressive_energy.png", dpi=120)

@@ -116,13 +116,12 @@ class Report:
             ("time", f"{self.seconds:.2f} s"
                      f" (sampling {self.sampling_seconds:.2f}, solving {self.solving_seconds:.2f})"),
         ]  # fmt: skip
-        empty = [
-            ("arrived from lights", self.from_lights),
-            ("lost on backs", self.lost_on_backs),
-            ("rows on demand", [self.rows_on_demand]),
-        ]
-        hidden = {label for label, values in empty if not any(values)}
-        return [row for row in rows if row[0] not in hidden]
+        present = {
+            "arrived from lights": any(self.from_lights),
+            "lost on backs": any(self.lost_on_backs),
+            "rows on demand": self.rows_on_demand > 0,
+        }
+        return [row for row in rows if present.get(row[0], True)]
 
     def __str__(self) -> str:
         rows = self.rows()

@@ -230,3 +230,115 @@ impl<'a> Task<'a> {
         energy
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use radiosity_geometry::Patches;
+    use radiosity_operator::Rows;
+
+    /// Rows that are all there, as they were found.
+    struct Matrix(Vec<Vec<(u32, f64)>>);
+
+    impl Rows for Matrix {
+        fn count(&self) -> usize {
+            self.0.len()
+        }
+
+        fn find_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {
+            row.clone_from(&self.0[i]);
+        }
+    }
+
+    /// The inside of a unit cube, open on one side, its faces cut in four.
+    fn box_without_lid() -> Arc<Enclosure> {
+        let mut polygons = Vec::new();
+        for (axis, high) in [(0, false), (0, true), (1, false), (1, true), (2, false)] {
+            let point = |u: f64, v: f64| {
+                let mut p = [0.0; 3];
+                p[axis] = if high { 1.0 } else { 0.0 };
+                (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (u, v);
+                DVec3::from_array(p)
+            };
+            for (u, v) in [(0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5)] {
+                let [a, b, c, d] = [point(u, v), point(u + 0.5, v), point(u + 0.5, v + 0.5), point(u, v + 0.5)];
+                polygons.push(if high { [a, d, c, b] } else { [a, b, c, d] });
+            }
+        }
+        let n = polygons.len();
+        Arc::new(Enclosure::new(Patches::new(polygons, vec![0; n], (0..n as u32).collect(), vec![false; n])))
+    }
+
+    /// Two bands; one patch shines.
+    fn lighting(n: usize) -> Lighting {
+        let mut emission = vec![0.0; 2 * n];
+        emission[..2].copy_from_slice(&[3.0, 1.0]);
+        Lighting { bands: 2, reflectance: [0.8, 0.4].repeat(n), emission, lamps: Vec::new() }
+    }
+
+    fn rows(memory_limit: u64) -> RowsOnDemand {
+        RowsOnDemand::new(
+            box_without_lid(),
+            on_demand::Settings { resolution: 32, positions: 4, seed: 3, memory_limit },
+        )
+    }
+
+    #[test]
+    fn rows_on_demand_light_as_a_matrix_of_the_same_rows_does() {
+        let (source, few) = (rows(u64::MAX), rows(2000));
+        let n = source.count();
+        let lighting = lighting(n);
+        let whole: Vec<Vec<(u32, f64)>> = (0..n)
+            .map(|i| {
+                let mut row = Vec::new();
+                rows(u64::MAX).find_row(i, &mut row);
+                row
+            })
+            .collect();
+        let matrix = Matrix(whole.clone());
+        let options = SolveOptions { tolerance: 1e-12, max_iterations: 100_000, observer: None };
+        let settings = Settings::default();
+        for overshoot in [Overshoot::None, Overshoot::Ambient] {
+            let task = Task::new(&source, &lighting, &settings, &Control::default()).unwrap();
+            let Problem { area, reflectance, emission, incident, bands, .. } = task.problem();
+            let problem = Problem { exchange: &matrix, area, reflectance, emission, incident, bands };
+            let (expected, report) = shoot(&problem, overshoot, &options, &Control::default()).unwrap();
+            assert_eq!(report.stop, Stop::Converged);
+            for source in [&source, &few] {
+                let task = Task::new(source, &lighting, &settings, &Control::default()).unwrap();
+                let (found, again) = shoot(&task.problem(), overshoot, &options, &Control::default()).unwrap();
+                assert_eq!((&found.radiosity, &found.irradiance), (&expected.radiosity, &expected.irradiance));
+                assert_eq!(report.history, again.history);
+            }
+            // What arrives is what all have sent through their rows.
+            let mut arrived = vec![0.0; 2 * n];
+            for (i, row) in whole.iter().enumerate() {
+                for &(j, g) in row {
+                    for c in 0..2 {
+                        arrived[j as usize * 2 + c] += g / area[j as usize] * expected.radiosity[i * 2 + c];
+                    }
+                }
+            }
+            assert!(arrived.iter().zip(&expected.irradiance).all(|(a, h)| (a - h).abs() < 1e-10));
+        }
+    }
+
+    #[test]
+    fn power_is_absorbed_or_escapes_or_is_missing() {
+        let source = rows(u64::MAX);
+        let lighting = lighting(source.count());
+        for max_iterations in [Some(0), Some(1), Some(7), None] {
+            let settings =
+                Settings { accuracy: 10.0, method: crate::Method::Southwell, max_iterations, ..Settings::default() };
+            let rows = Arc::new(rows(u64::MAX));
+            let Solution { report, .. } = solve_on_rows(rows, &lighting, &settings, None, &Control::default()).unwrap();
+            let unshot = report.solver.history.unshot.last().unwrap();
+            let energy = &report.energy;
+            let missing = |c: usize| energy.emitted[c] - energy.absorbed[c] - energy.escaped[c];
+            let emitted = energy.emitted[0] + energy.emitted[1];
+            assert!(((missing(0) + missing(1)) / emitted - unshot).abs() < 1e-12);
+            assert_eq!(report.limited_by, Some(if max_iterations.is_none() { Limit::Accuracy } else { Limit::Solver }));
+        }
+    }
+}

@@ -49,6 +49,9 @@ pub trait Operator: Sync {
         row.extend(image.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(j, v)| (j as u32, *v)));
     }
 
+    /// Says that many rows will be read one by one: an operator that finds rows slowly may spend memory on them now.
+    fn expect_rows(&self) {}
+
     /// Visits every row once, in an order of the operator's own: `update(i, sums, x_i)` is given row `i` of `G x` with
     /// all updates so far, and may change `x_i`. What stands on the diagonal counts with `x_i` as it was.
     ///

@@ -10,6 +10,9 @@ pub trait Rows: Sync {
     /// The number of rows.
     fn count(&self) -> usize;
 
+    /// Says that many rows will be asked for.
+    fn begin(&self) {}
+
     /// Replaces `row` by the entries `(j, G_ij)` of row `i`, each column once, and those that are zero perhaps left out.
     fn find_row(&self, i: usize, row: &mut Vec<(u32, f64)>);
 
@@ -28,6 +31,10 @@ pub trait Rows: Sync {
 impl<O: Operator + ?Sized> Rows for O {
     fn count(&self) -> usize {
         self.len()
+    }
+
+    fn begin(&self) {
+        self.expect_rows();
     }
 
     fn find_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {

@@ -6,8 +6,9 @@ mod sweep;
 use crate::Operator;
 use crate::sweep::Update;
 use rayon::prelude::*;
-use rows::positions;
+use rows::{Columns, positions};
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// The upper triangle of a symmetric matrix in blocks of rows, dense or sparse as each block's filling suggests.
 ///
@@ -20,6 +21,8 @@ pub struct Symmetric {
     /// Number -> position in the matrix.
     position: Vec<u32>,
     blocks: Vec<Block>,
+    /// Of sparse blocks a copy by columns, once somebody wants many rows one by one.
+    columns: OnceLock<Columns>,
 }
 
 /// Consecutive rows: of row p the columns above p.
@@ -65,7 +68,7 @@ impl Symmetric {
         let covered = blocks.iter().fold(0, |next, b| if b.rows.start == next { b.rows.end } else { usize::MAX });
         assert_eq!(covered, order.len(), "blocks cover all rows in order");
         let position = positions(len, &order);
-        Self { len, order, position, blocks }
+        Self { len, order, position, blocks, columns: OnceLock::new() }
     }
 
     /// As one block: for each position of `rows` its entries above the diagonal, columns ascending.
@@ -95,7 +98,10 @@ impl Symmetric {
             Entries::Single(values) => 4 * values.len(),
             Entries::Sparse { offsets, columns, values } => 8 * offsets.len() + 4 * columns.len() + 8 * values.len(),
         };
-        4 * (self.order.len() + self.position.len()) + self.blocks.iter().map(|b| bytes(&b.entries)).sum::<usize>()
+        let columns = self.columns.get().map_or(0, Columns::memory_bytes);
+        columns
+            + 4 * (self.order.len() + self.position.len())
+            + self.blocks.iter().map(|b| bytes(&b.entries)).sum::<usize>()
     }
 
     /// Calls `visit(i, j, value)` for every pair that is not zero, once, in a fixed order.
@@ -111,7 +117,7 @@ impl Symmetric {
 
     /// The same pairs with other values: `change(i, j, value)`.
     pub fn mapped(&self, change: impl Fn(usize, usize, f64) -> f64 + Sync) -> Self {
-        let mut other = self.clone();
+        let mut other = Self { columns: OnceLock::new(), ..self.clone() };
         let n = self.order.len();
         other.blocks.par_iter_mut().for_each(|block| {
             let mut values = Vec::with_capacity(block.entries.len());
@@ -129,7 +135,7 @@ impl Symmetric {
     /// # Panics
     /// If the other was not made from this one by [`Symmetric::mapped`], or this from the other.
     pub fn plus(&self, other: &Self, change: impl Fn(usize, usize, f64, f64) -> f64 + Sync) -> Self {
-        let mut result = self.clone();
+        let mut result = Self { columns: OnceLock::new(), ..self.clone() };
         result.blocks.par_iter_mut().zip(&self.blocks).zip(&other.blocks).for_each(|((block, a), b)| {
             assert_eq!(a.entries.len(), b.entries.len(), "the same pairs");
             let mut seconds = Vec::with_capacity(b.entries.len());
@@ -370,6 +376,10 @@ impl Operator for Symmetric {
         self.read_row_of(i, row);
     }
 
+    fn expect_rows(&self) {
+        self.columns.get_or_init(|| self.by_columns());
+    }
+
     fn sweep(&self, x: &mut [f64], columns: usize, update: &mut Update) {
         self.sweep_any(x, columns, update);
     }
@@ -413,10 +423,13 @@ mod tests {
             dense.apply(&x, &mut z, 1);
             assert!(y.iter().zip(&z).all(|(a, b)| (a - b).abs() < 1e-12));
             let (offsets, columns, values) = operator.to_csr();
+            let prepared = operator.clone();
+            prepared.expect_rows();
             for i in 0..n {
                 let row: Vec<(u32, f64)> =
                     (0..n as u32).map(|j| (j, entry(i, j as usize, fill))).filter(|e| e.1 != 0.0).collect();
                 assert_eq!(operator.row(i), row);
+                assert_eq!(prepared.row(i), row);
                 let range = offsets[i]..offsets[i + 1];
                 assert!(columns[range.clone()].iter().zip(&values[range]).map(|(c, v)| (*c, *v)).eq(row));
             }

@@ -65,6 +65,7 @@ pub fn shoot<X: Rows + ?Sized>(
 ) -> Result<(Light, SolveReport), Cancelled> {
     let mut shooting = Shooting::new(problem, overshoot);
     let (mut track, mut row) = (Track::new(options, control), Vec::new());
+    problem.exchange.begin();
     loop {
         let survey = shooting.survey();
         let unshot = ratio(survey.unshot.iter().sum(), shooting.emitted);
@@ -122,7 +123,9 @@ impl<'a, X: Rows + ?Sized> Shooting<'a, X> {
         let none = vec![0.0; problem.bands];
         Self {
             overshoot,
-            irradiance: problem.incident.to_vec(),
+            irradiance: (0..source.len())
+                .map(|k| if problem.area_at(k) > 0.0 { problem.incident[k] } else { 0.0 })
+                .collect(),
             shot: vec![0.0; source.len()],
             emitted: emitted.iter().sum(),
             scale: problem.squares(&source),
@@ -198,14 +201,14 @@ impl<'a, X: Rows + ?Sized> Shooting<'a, X> {
         }
         let mut arrived = 0.0;
         for &(j, g) in row.iter().filter(|e| problem.area[e.0 as usize] > 0.0) {
-            let j = j as usize;
-            let share = g / problem.area[j];
             arrived += g;
-            for (c, sent) in sent.iter().enumerate() {
-                let k = j * bands + c;
-                self.irradiance[k] += share * sent;
-                self.unshot[k] += problem.reflectance[k] * share * sent;
-                self.ledger.absorbed[c] += (1.0 - problem.reflectance[k]) * g * sent;
+            let (here, share) = (j as usize * bands..(j as usize + 1) * bands, g / problem.area[j as usize]);
+            let receiver = self.irradiance[here.clone()].iter_mut().zip(&mut self.unshot[here.clone()]);
+            let optics = problem.reflectance[here].iter().zip(&mut self.ledger.absorbed).zip(&sent);
+            for ((irradiance, unshot), ((rho, absorbed), sent)) in receiver.zip(optics) {
+                *irradiance += share * sent;
+                *unshot += rho * share * sent;
+                *absorbed += (1.0 - rho) * g * sent;
             }
         }
         for (c, sent) in sent.iter().enumerate() {
