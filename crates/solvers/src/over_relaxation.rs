@@ -3,8 +3,9 @@
 //! Young 1954, *Iterative methods for solving partial difference equations of elliptic type*: where Jacobi reduces the
 //! error by mu an iteration, relax by w = 2 / (1 + sqrt(1 - mu^2)). His derivation needs a consistent order, which an
 //! exchange has not, yet any w in (0, 2) converges as the form is symmetric and positive definite (Ostrowski 1954). In
-//! a closed room mu is about the mean reflectance; that is taken for it, band by band. Half as many sweeps as
-//! Gauss-Seidel in closed rooms. Where much escapes mu is smaller and w too large, which costs some of the gain.
+//! a closed room mu is about the mean reflectance; that is taken for it, band by band. In closed rooms of reflectance 0.9
+//! it takes half as many sweeps as Gauss-Seidel. Where much escapes mu is smaller and w too large, which costs some of
+//! the gain.
 
 use crate::gauss_seidel::relaxed;
 use crate::problem::{Problem, ratio};

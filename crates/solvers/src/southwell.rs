@@ -24,7 +24,7 @@ pub enum Overshoot {
     #[default]
     None,
     /// Shoot also what the ambient term says is still to arrive (Feda and Purgathofer 1992), up to
-    /// [`MOST_RELAXATION`] of what is unshot in all: a third to a fifth of the shots where reflectances are high.
+    /// [`MOST_RELAXATION`] of what is unshot in all: a third to an eighth of the shots at a reflectance of 0.9.
     Ambient,
 }
 
