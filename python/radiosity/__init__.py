@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from radiosity.patches import Patches
     from radiosity.report import Report
     from radiosity.scene import Camera, DirectionalLight, Finding, PointLight, Scene, SpotLight, Surface, load
+    from radiosity.snapshot import Snapshot
     from radiosity.solution import Solution, solve
     from radiosity.surface_factors import SurfaceFactors
 
@@ -34,6 +35,7 @@ __all__ = [
     "ResourceError",
     "Scene",
     "SceneError",
+    "Snapshot",
     "Solution",
     "SpotLight",
     "Surface",
@@ -65,6 +67,7 @@ _HOME = {
     "SpotLight": "scene",
     "Surface": "scene",
     "load": "scene",
+    "Snapshot": "snapshot",
     "Solution": "solution",
     "solve": "solution",
     "SurfaceFactors": "surface_factors",
@@ -79,6 +82,7 @@ _MODULES = {
     "report",
     "scene",
     "scenes",
+    "snapshot",
     "solution",
     "surface_factors",
     "teaching",

@@ -13,6 +13,8 @@ _Indices = npt.NDArray[np.uint32]
 _Pixels = npt.NDArray[np.float32]
 _Triple = Sequence[float]
 _Progress = Callable[[int, int], object]
+# iteration, residual, unshot, radiosity, ambient
+_OnIterate = Callable[[int, float, float | None, _Floats, list[float]], object]
 
 # kind, name, position, direction, inner and outer angle, strength
 LightTuple = tuple[str, str, _Triple, _Triple, float, float, list[float]]
@@ -117,6 +119,7 @@ class Solution:
         accuracy: float,
         method: str,
         exact_closure: bool,
+        max_iterations: int | None = None,
         threads: int | None = None,
         progress: _Progress | None = None,
     ) -> Solution: ...
@@ -154,8 +157,10 @@ class Factors:
         method: str,
         seed: int,
         memory_limit: int,
+        max_iterations: int | None = None,
         threads: int | None = None,
         progress: _Progress | None = None,
+        on_iterate: _OnIterate | None = None,
     ) -> Solution: ...
 
 @final
@@ -184,8 +189,23 @@ def solve(
     memory_limit: int,
     method: str,
     exact_closure: bool,
+    max_iterations: int | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
+) -> Solution: ...
+def solve_on_demand(
+    enclosure: Enclosure,
+    reflectance: _Floats,
+    emission: _Floats,
+    lamps: list[LightTuple],
+    accuracy: float,
+    seed: int,
+    memory_limit: int,
+    method: str,
+    max_iterations: int | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+    on_iterate: _OnIterate | None = None,
 ) -> Solution: ...
 def form_factors(
     enclosure: Enclosure,

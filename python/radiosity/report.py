@@ -11,6 +11,14 @@ _LIMITS = {
     "patch_size": "light varies too much within patches: use smaller ones",
     "memory": "more samples would not fit the memory limit: raise it",
     "samples": "the samples were given: solve the scene afresh for more",
+    "solver": "the solver did not converge: the answer is not the equilibrium",
+    "hemicubes": "the most hemicubes per patch were drawn: use smaller patches, or another solver",
+}
+
+_STOPS = {
+    "max_iterations": "the iterations are spent",
+    "diverged": "it diverged",
+    "observer": "it was told to stop",
 }
 
 
@@ -22,6 +30,12 @@ class Report:
     irradiance, relative to its mean; it combines ``sampling_error`` (more rays reduce it) and
     ``discretisation_error`` (smaller patches reduce it). ``limited_by`` is ``"accuracy"`` when the request was met.
     ``closure_*`` are raw row sums of the form factors before ``closure_residual`` remained after balancing.
+
+    ``solver`` took ``iterations`` (products, sweeps or shots), which is as much work as ``products`` with the whole
+    exchange, and stopped because of ``stop``: "converged", "max_iterations", "diverged" or "observer", which is a
+    callback that returned False. ``residual_history`` and ``unshot_history`` (power that has arrived but was not sent
+    on, as a share of what is emitted; empty where the solver does not know it) are what they were after
+    ``history_iterations``, at most 1,024 of them.
     """
 
     accuracy: float
@@ -34,10 +48,18 @@ class Report:
     luminaires: int
     rays: int
     shadow_rays: int
+    rows_on_demand: int
+    hemicubes: int
     rounds: int
+    solver: str
     iterations: int
+    products: float
     residual: float
     converged: bool
+    stop: str
+    history_iterations: list[int]
+    residual_history: list[float]
+    unshot_history: list[float]
     emitted: list[float]
     from_lights: list[float]
     absorbed: list[float]
@@ -87,15 +109,19 @@ class Report:
                         f" {self.escape_share:.2%} of rays escape"),
             ("patches", f"{self.patches:,} ({self.sides:,} sides, {self.luminaires:,} luminaires)"),
             ("rays", f"{self.rays:,} + {self.shadow_rays:,} to luminaires, in {self.rounds} rounds"),
-            ("solver", f"{self.iterations} iterations, residual {self.residual:.1e}"
-                       + ("" if self.converged else ", NOT converged")),
+            ("rows on demand", f"{self.rows_on_demand:,} by {self.hemicubes:,} hemicubes, in {self.rounds} rounds"),
+            ("solver", f"{self.solver.replace('_', ' ')}, {self.iterations:,} iterations, residual {self.residual:.1e}"
+                       + ("" if self.converged else f", NOT converged: {_STOPS[self.stop]}")),
             ("memory", f"{self.memory_bytes / 1e6:.1f} MB"),
             ("time", f"{self.seconds:.2f} s"
                      f" (sampling {self.sampling_seconds:.2f}, solving {self.solving_seconds:.2f})"),
         ]  # fmt: skip
-        empty = [("arrived from lights", self.from_lights), ("lost on backs", self.lost_on_backs)]
-        hidden = {label for label, values in empty if not any(values)}
-        return [row for row in rows if row[0] not in hidden]
+        present = {
+            "arrived from lights": any(self.from_lights),
+            "lost on backs": any(self.lost_on_backs),
+            "rows on demand": self.rows_on_demand > 0,
+        }
+        return [row for row in rows if present.get(row[0], True)]
 
     def __str__(self) -> str:
         rows = self.rows()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +15,17 @@ from radiosity.factors import FormFactors
 from radiosity.patches import Patches
 from radiosity.report import Report
 from radiosity.scene import Scene
+from radiosity.snapshot import OnIterate, handed_to
 
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int, int], object]
-Solver = Literal["conjugate_gradient", "jacobi"]
+Solver = Literal["conjugate_gradient", "jacobi", "gauss_seidel", "over_relaxation", "southwell", "overshooting"]
+
+SOLVERS: tuple[Solver, ...] = get_args(Solver)
+"""The names of all solvers."""
+
+SHOOTING = ("southwell", "overshooting")
+"""Solvers that need rows and no products, and so no matrix."""
 
 DEFAULT_PATCHES = 5000
 """Patches that a scene is cut into when the caller does not say."""
@@ -82,7 +89,7 @@ class Solution:
         o = self._options
         native = self._native.relight(
             new_reflectance, new_emission, _lamps(self.patches.scene), o["accuracy"], o["solver"], o["exact"],
-            o["threads"],
+            o["max_iterations"], o["threads"],
         )  # fmt: skip
         return Solution(self.patches, native, new_reflectance, new_emission, self._options)
 
@@ -122,6 +129,8 @@ def solve(
     accuracy: float = 0.01,
     transport: FormFactors | None = None,
     solver: Solver = "conjugate_gradient",
+    max_iterations: int | None = None,
+    on_iterate: OnIterate | None = None,
     closure: Literal["balanced", "exact"] = "balanced",
     max_rays: int = 1 << 18,
     memory_limit: int | None = None,
@@ -137,7 +146,17 @@ def solve(
             samples until its own estimate of the error is below; ``report.reached`` says whether it got there.
         transport: form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by patch, instead of
             measuring the exchange to the accuracy.
-        solver: how the equations are solved.
+        solver: how the equations are solved. "conjugate_gradient" takes fewest products where much is reflected.
+            "jacobi" is light bounce by bounce, "gauss_seidel" patch by patch, and "over_relaxation" the same with
+            longer steps. "southwell" is progressive refinement: the patch with most unshot power shoots, and most of
+            the light is there after a few shots; "overshooting" shoots for what is still to come as well, and takes
+            fewer shots where much is reflected. These two need no matrix: without ``transport`` each patch is drawn on
+            hemicubes when it shoots, as many as the accuracy takes, and only patches that shoot are.
+        max_iterations: most products, sweeps or shots; as many as it takes by default. Where they end a solve,
+            ``report.converged`` is False and ``report.limited_by`` "solver".
+        on_iterate: called with a :class:`Snapshot` before the first iteration and after each; the solve waits for it,
+            ends if it returns False, and ends with its exception if it raises one. With ``transport``, or a solver that
+            shoots.
         closure: "balanced" scales the rows of the exchange to their known sums within the accuracy, "exact" to 1e-9.
         max_rays: most rays per patch.
         memory_limit: bytes that samples and operator may take (default: four fifths of what is available). With
@@ -149,23 +168,36 @@ def solve(
     Raises:
         SceneError: the scene cannot be lit.
         ResourceError: not even a first estimate fits the memory limit.
+        ValueError: there is no such solver, or ``on_iterate`` for a solve that samples.
     """
     patches = scene if isinstance(scene, Patches) else scene.patches(count=DEFAULT_PATCHES)
     patches.scene.validate()
     exact, threads, seed = _is_exact(closure), threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
-    options = {"accuracy": float(accuracy), "solver": solver, "exact": exact, "threads": threads, "seed": seed}
-    lamps = _lamps(patches.scene)
+    most = None if max_iterations is None else whole(max_iterations, "max_iterations", 0, 2**63 - 1)
+    options = {
+        "accuracy": float(accuracy), "solver": solver, "max_iterations": most, "exact": exact, "threads": threads,
+        "seed": seed,
+    }  # fmt: skip
+    light = (patches.reflectance, patches.emission, _lamps(patches.scene), accuracy)
+    show = handed_to(on_iterate, patches, patches.reflectance)
     if transport is not None:
         if transport.patches is not patches:
             raise ValueError("transport was measured on other patches; pass those patches to solve")
-        native = transport._native.solve(
-            patches.reflectance, patches.emission, lamps, accuracy, solver, seed, memory_or_most(memory_limit), threads,
-            progress,
+        memory = memory_or_most(memory_limit)
+        native = transport._native.solve(*light, solver, seed, memory, most, threads, progress, show)
+    elif solver in SHOOTING:
+        memory = memory_or_most(memory_limit)
+        native = _native.solve_on_demand(
+            patches._enclosure, *light, seed, memory, solver, most, threads, progress, show
+        )  # fmt: skip
+    elif on_iterate is not None:
+        raise ValueError(
+            "a solve that samples has no iterations to show: pass transport, or a solver that shoots"
         )  # fmt: skip
     else:
+        rays, memory = whole(max_rays, "max_rays", 1, 2**32 - 1), memory_or_most(memory_limit)
         native = _native.solve(
-            patches._enclosure, patches.reflectance, patches.emission, lamps, accuracy, seed,
-            whole(max_rays, "max_rays", 1, 2**32 - 1), memory_or_most(memory_limit), solver, exact, threads, progress,
+            patches._enclosure, *light, seed, rays, memory, solver, exact, most, threads, progress
         )  # fmt: skip
     return Solution(patches, native, patches.reflectance, patches.emission, options)
 
@@ -176,4 +208,4 @@ def _is_exact(closure: str) -> bool:
     return closure == "exact"
 
 
-__all__ = ["DEFAULT_PATCHES", "Solution", "solve"]
+__all__ = ["DEFAULT_PATCHES", "SHOOTING", "SOLVERS", "Solution", "solve"]

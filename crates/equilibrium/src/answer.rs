@@ -34,7 +34,7 @@ pub(crate) struct Task<'a> {
     pub measurement: &'a Measurement,
     pub lighting: &'a Lighting,
     pub solver: Solver,
-    pub options: SolveOptions,
+    pub options: SolveOptions<'a>,
     pub control: &'a Control,
 }
 
@@ -117,7 +117,7 @@ impl Task<'_> {
         let reflectance = self.per_side(|p| self.lighting.reflectance_of(p));
         let emission = self.per_side(|p| self.lighting.emission_of(p));
         let incident = self.incident(area);
-        let problem = Problem {
+        let problem: Problem = Problem {
             exchange: &self.measurement.exchange.operator,
             area,
             reflectance: &reflectance,

@@ -4,26 +4,24 @@
 //! error and what a side receives has the root of the sum of squares. Where they were found to a tolerance, a row is
 //! off by that much of what it sees. Both go through the interreflections as light does, all in one direction.
 
-use crate::answer::ratio;
+use crate::answer::{Solver, ratio};
 use crate::energy::Energy;
-use crate::lighting::{Lamp, Lighting};
-use crate::report::{Limit, Report, Seconds};
+use crate::incident::{Incident, LIGHT_SAMPLES};
+use crate::lighting::Lighting;
+use crate::report::{Limit, Report, Seconds, SolverReport};
 use crate::solve::{Failure, MOST_ITERATIONS, REPLICATES, Settings, Solution, Source, closure};
-use radiosity_exchange::luminaires::Luminaires;
-use radiosity_exchange::{FormFactors, LightSample, Samples};
+use radiosity_exchange::FormFactors;
 use radiosity_operator::{Cancelled, Control, Operator};
-use radiosity_solvers::{Problem, SolveOptions, Stop};
+use radiosity_solvers::{Observer, Problem, SolveOptions, SolveReport, Stop, conjugate_gradient};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Tests of lights without area from every side, per replicate.
-const LIGHT_SAMPLES: u32 = 1024;
-
-/// Solves the equations on given form factors to 1e-9.
+/// Solves the equations on given form factors to 1e-9. The observer sees every iteration.
 pub fn solve_given(
     factors: &Arc<FormFactors>,
     lighting: &Lighting,
     settings: &Settings,
+    observer: Option<&Observer>,
     control: &Control,
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
@@ -33,9 +31,11 @@ pub fn solve_given(
         return Err(Failure::Memory { patches, needed, limit: settings.memory_limit });
     }
     let task = Task::new(factors, lighting, settings, control)?;
-    let (radiosity, solver) = task.solve(&task.emission, &task.incident.mean)?;
+    let method = settings.method;
+    let options = SolveOptions { observer, ..task.options() };
+    let (radiosity, solver) = task.solve(method.solver(), &task.emission, &task.incident.mean, &options)?;
     let irradiance = task.irradiance(&radiosity, &task.incident.mean);
-    let error = task.error(&radiosity)?;
+    let error = task.error(&radiosity, &irradiance)?;
     let energy = task.energy(&radiosity, &irradiance);
     let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
     for (k, h) in irradiance.iter().enumerate() {
@@ -51,15 +51,17 @@ pub fn solve_given(
         accuracy: settings.accuracy,
         estimated_error,
         sampling_error: estimated_error,
-        limited_by: Some(if estimated_error <= settings.accuracy { Limit::Accuracy } else { Limit::Samples }),
+        limited_by: Some(match solver.stop {
+            Stop::Converged if estimated_error <= settings.accuracy => Limit::Accuracy,
+            Stop::Converged => Limit::Samples,
+            _ => Limit::Solver,
+        }),
         patches: factors.enclosure.patches().len(),
         sides: task.area.len(),
         luminaires: lighting.lamps.len(),
         rays: if factors.standard_error.is_some() { factors.report.samples * task.area.len() as u64 } else { 0 },
         shadow_rays: task.incident.tests,
-        iterations: solver.iterations,
-        residual: solver.residuals.last().copied().unwrap_or(0.0),
-        converged: solver.stop == Stop::Converged,
+        solver: SolverReport::of(method, solver),
         closure: closure(&sums, &task.area),
         energy,
         memory_bytes: factors.enclosure.memory_bytes() + factors.operator.memory_bytes(),
@@ -93,13 +95,6 @@ struct Task<'a> {
     incident: Incident,
 }
 
-/// Irradiance straight from lights without area.
-struct Incident {
-    mean: Vec<f64>,
-    standard_error: Vec<f64>,
-    tests: u64,
-}
-
 impl<'a> Task<'a> {
     fn new(
         factors: &'a FormFactors,
@@ -108,14 +103,11 @@ impl<'a> Task<'a> {
         control: &'a Control,
     ) -> Result<Self, Cancelled> {
         let enclosure = &factors.enclosure;
-        let per_side = |of: &dyn Fn(usize) -> &'a [f64]| -> Vec<f64> {
-            (0..enclosure.sides()).flat_map(|side| of(enclosure.patch_of(side))).copied().collect()
-        };
         Ok(Self {
             area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
-            reflectance: per_side(&|patch| lighting.reflectance_of(patch)),
-            emission: per_side(&|patch| lighting.emission_of(patch)),
-            incident: Incident::new(factors, lighting, settings, control)?,
+            reflectance: lighting.per_side(enclosure, |patch| lighting.reflectance_of(patch)),
+            emission: lighting.per_side(enclosure, |patch| lighting.emission_of(patch)),
+            incident: Incident::new(enclosure, lighting, settings.seed, control)?,
             factors,
             lighting,
             settings,
@@ -123,12 +115,19 @@ impl<'a> Task<'a> {
         })
     }
 
+    fn options(&self) -> SolveOptions<'static> {
+        let tolerance = 1e-9 * (1.0 - self.lighting.highest_reflectance());
+        SolveOptions { tolerance, max_iterations: self.settings.most_iterations(self.area.len()), observer: None }
+    }
+
     fn solve(
         &self,
+        solver: Solver,
         emission: &[f64],
         incident: &[f64],
-    ) -> Result<(Vec<f64>, radiosity_solvers::SolveReport), Cancelled> {
-        let problem = Problem {
+        options: &SolveOptions,
+    ) -> Result<(Vec<f64>, SolveReport), Cancelled> {
+        let problem: Problem = Problem {
             exchange: &self.factors.operator,
             area: &self.area,
             reflectance: &self.reflectance,
@@ -136,9 +135,7 @@ impl<'a> Task<'a> {
             incident,
             bands: self.lighting.bands,
         };
-        let tolerance = 1e-9 * (1.0 - self.lighting.highest_reflectance());
-        let options = SolveOptions { tolerance, max_iterations: MOST_ITERATIONS };
-        (self.settings.method.solver())(&problem, &options, self.control)
+        solver(&problem, options, self.control)
     }
 
     /// `F x`.
@@ -153,8 +150,8 @@ impl<'a> Task<'a> {
         self.gather(&self.factors.operator, radiosity).iter().zip(incident).map(|(h, i)| h + i).collect()
     }
 
-    /// The error of irradiance: its own of each side, carried through the interreflections.
-    fn error(&self, radiosity: &[f64]) -> Result<Vec<f64>, Cancelled> {
+    /// The error of irradiance: its own of each side and what the solver left, carried through the interreflections.
+    fn error(&self, radiosity: &[f64], irradiance: &[f64]) -> Result<Vec<f64>, Cancelled> {
         let squares: Vec<f64> = radiosity.iter().map(|b| b * b).collect();
         let variance = match &self.factors.standard_error {
             Some(error) => {
@@ -172,7 +169,12 @@ impl<'a> Task<'a> {
         };
         let own: Vec<f64> =
             variance.iter().zip(&self.incident.standard_error).map(|(v, s)| (v + s * s).max(0.0).sqrt()).collect();
-        let (carried, _) = self.solve(&vec![0.0; own.len()], &own)?;
+        // Whatever the solver is, its limits are not those of the error.
+        let options = SolveOptions { max_iterations: MOST_ITERATIONS, ..self.options() };
+        let left: Vec<f64> = (0..own.len())
+            .map(|k| (self.emission[k] + self.reflectance[k] * irradiance[k] - radiosity[k]).abs())
+            .collect();
+        let (carried, _) = self.solve(conjugate_gradient, &left, &own, &options)?;
         Ok(self.irradiance(&carried, &own))
     }
 
@@ -202,43 +204,5 @@ impl<'a> Task<'a> {
         energy.escape_share = ratio(whole - sums.iter().sum::<f64>(), whole);
         energy.balance();
         energy
-    }
-}
-
-impl Incident {
-    fn new(
-        factors: &FormFactors,
-        lighting: &Lighting,
-        settings: &Settings,
-        control: &Control,
-    ) -> Result<Self, Cancelled> {
-        let (enclosure, bands) = (&factors.enclosure, lighting.bands);
-        let size = enclosure.sides() * bands;
-        let mut incident = Self { mean: vec![0.0; size], standard_error: vec![0.0; size], tests: 0 };
-        if lighting.lamps.is_empty() {
-            return Ok(incident);
-        }
-        let luminaires = Luminaires {
-            list: lighting.lamps.iter().map(|lamp| lamp.luminaire).collect(),
-            strength: lighting.lamps.iter().map(Lamp::mean_strength).collect(),
-        };
-        let mut samples = Samples::<LightSample>::new(enclosure.sides(), REPLICATES);
-        let wanted = vec![LIGHT_SAMPLES; enclosure.sides()];
-        luminaires.sample(enclosure, &mut samples, &wanted, settings.seed, control)?;
-        incident.tests = samples.total() as u64;
-        for k in 0..size {
-            let (side, band) = (k / bands, k % bands);
-            let mean = |replicate: usize| {
-                let each = |s: &LightSample| f64::from(s.weight) * lighting.lamps[s.luminaire as usize].strength[band];
-                samples.replicate(side, replicate).flatten().map(each).sum::<f64>() / f64::from(LIGHT_SAMPLES)
-            };
-            let means: Vec<f64> = (0..REPLICATES).map(mean).collect();
-            let n = REPLICATES as f64;
-            let middle = means.iter().sum::<f64>() / n;
-            incident.mean[k] = middle;
-            incident.standard_error[k] =
-                (means.iter().map(|m| (m - middle) * (m - middle)).sum::<f64>() / (n * (n - 1.0))).sqrt();
-        }
-        Ok(incident)
     }
 }

@@ -54,6 +54,11 @@ impl Lighting {
         &self.emission[patch * self.bands..(patch + 1) * self.bands]
     }
 
+    /// A block, sides x bands, with each side's patch's values.
+    pub(crate) fn per_side<'a>(&'a self, enclosure: &Enclosure, of_patch: impl Fn(usize) -> &'a [f64]) -> Vec<f64> {
+        (0..enclosure.sides()).flat_map(|side| of_patch(enclosure.patch_of(side))).copied().collect()
+    }
+
     /// The largest reflectance of any patch and band.
     pub fn highest_reflectance(&self) -> f64 {
         self.reflectance.iter().fold(0.0, |a: f64, &b| a.max(b))

@@ -1,6 +1,8 @@
 //! What a solve says about itself.
 
 use crate::energy::Energy;
+use crate::method::Method;
+use radiosity_solvers::{History, SolveReport, Stop};
 
 /// What kept an answer from being more accurate than it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +17,10 @@ pub enum Limit {
     Memory,
     /// The samples were given; none were added.
     Samples,
+    /// The solver did not converge.
+    Solver,
+    /// Rows found on demand are not accurate enough with the most hemicubes a side.
+    Hemicubes,
 }
 
 impl Limit {
@@ -26,6 +32,8 @@ impl Limit {
             Limit::PatchSize => "patch_size",
             Limit::Memory => "memory",
             Limit::Samples => "samples",
+            Limit::Solver => "solver",
+            Limit::Hemicubes => "hemicubes",
         }
     }
 }
@@ -53,14 +61,14 @@ pub struct Report {
     pub rays: u64,
     /// Visibility tests of luminaires.
     pub shadow_rays: u64,
+    /// Rows that were found on demand.
+    pub rows_on_demand: u64,
+    /// Hemicubes drawn for them.
+    pub hemicubes: u64,
     /// Rounds of sampling.
     pub rounds: usize,
-    /// Iterations of the last solve.
-    pub iterations: usize,
-    /// Relative residual of the last solve.
-    pub residual: f64,
-    /// Whether the last solve converged.
-    pub converged: bool,
+    /// The last solve.
+    pub solver: SolverReport,
     /// Where the power went.
     pub energy: Energy,
     /// Least, mean (by area) and greatest raw row sum of the form factors.
@@ -82,4 +90,37 @@ pub struct Seconds {
     pub solving: f64,
     /// All of it.
     pub total: f64,
+}
+
+/// How the equations were solved.
+#[derive(Clone, Debug, Default)]
+pub struct SolverReport {
+    /// By what.
+    pub name: &'static str,
+    /// Products with the exchange, sweeps or shots.
+    pub iterations: usize,
+    /// Work in products.
+    pub products: f64,
+    /// Relative residual at the end.
+    pub residual: f64,
+    /// A word for why it stopped.
+    pub stop: &'static str,
+    /// Whether that was because it converged.
+    pub converged: bool,
+    /// How it got there.
+    pub history: History,
+}
+
+impl SolverReport {
+    pub(crate) fn of(method: Method, report: SolveReport) -> Self {
+        Self {
+            name: method.name(),
+            iterations: report.iterations,
+            products: report.products,
+            residual: report.residual,
+            stop: report.stop.name(),
+            converged: report.stop == Stop::Converged,
+            history: report.history,
+        }
+    }
 }

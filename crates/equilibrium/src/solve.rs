@@ -1,36 +1,20 @@
 //! The loop that raises the sampling until the estimated error meets the request.
 
-use crate::answer::{Answer, Solver, Task, ratio};
+use crate::answer::{Answer, Task, ratio};
 use crate::error::{Estimate, estimate};
 use crate::given::solve_given;
 use crate::lighting::Lighting;
+use crate::method::Method;
+use crate::on_demand::solve_on_rows;
 use crate::plan::{Kind, plan};
-use crate::report::{Limit, Report, Seconds};
+use crate::report::{Limit, Report, Seconds, SolverReport};
 use crate::transport::Transport;
 use radiosity_exchange::operator::ElementExchange;
-use radiosity_exchange::{Elements, Enclosure, FormFactors};
+use radiosity_exchange::{Elements, Enclosure, FormFactors, RowsOnDemand};
 use radiosity_operator::{Cancelled, Control};
-use radiosity_solvers::{SolveOptions, Stop, conjugate_gradient, jacobi};
+use radiosity_solvers::{SolveOptions, Stop};
 use std::sync::Arc;
 use std::time::Instant;
-
-/// The solver on the symmetric operator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Fewest products.
-    ConjugateGradient,
-    /// Plainest.
-    Jacobi,
-}
-
-impl Method {
-    pub(crate) fn solver(self) -> Solver {
-        match self {
-            Method::ConjugateGradient => conjugate_gradient,
-            Method::Jacobi => jacobi,
-        }
-    }
-}
 
 /// What to do about row sums that sampling left off their known values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +38,8 @@ pub struct Settings {
     pub memory_limit: u64,
     /// The solver.
     pub method: Method,
+    /// Most iterations of the solver, if not as many as it may need.
+    pub max_iterations: Option<usize>,
     /// The treatment of row sums.
     pub closure: Closure,
 }
@@ -66,8 +52,16 @@ impl Default for Settings {
             max_rays: 1 << 18,
             memory_limit: u64::MAX,
             method: Method::ConjugateGradient,
+            max_iterations: None,
             closure: Closure::Balanced,
         }
+    }
+}
+
+impl Settings {
+    /// Iterations of the solver on so many elements.
+    pub(crate) fn most_iterations(&self, elements: usize) -> usize {
+        self.max_iterations.unwrap_or_else(|| self.method.most_iterations(elements))
     }
 }
 
@@ -119,6 +113,8 @@ pub enum Source {
     Measured(Arc<Measurement>),
     /// Form factors, as they were given.
     Given(Arc<FormFactors>),
+    /// Rows found as they were asked for.
+    OnDemand(Arc<RowsOnDemand>),
 }
 
 impl Source {
@@ -127,6 +123,7 @@ impl Source {
         match self {
             Source::Measured(measurement) => measurement.transport.enclosure(),
             Source::Given(factors) => &factors.enclosure,
+            Source::OnDemand(rows) => rows.enclosure(),
         }
     }
 }
@@ -208,7 +205,11 @@ pub fn solve(
         let answer = task.answer()?;
         let estimate = estimate(&task, &answer)?;
         seconds.solving += before.elapsed().as_secs_f64();
-        match next(&measurement.transport, &estimate, settings, most) {
+        let step = match answer.solver.stop {
+            Stop::Converged => next(&measurement.transport, &estimate, settings, most),
+            _ => Step::Stop(Limit::Solver),
+        };
+        match step {
             Step::Sample(rays, lights) => wanted = (rays, lights),
             Step::Stop(limit) => {
                 seconds.total = start.elapsed().as_secs_f64();
@@ -231,13 +232,18 @@ pub fn relight(
 ) -> Result<Solution, Failure> {
     let measurement = match source {
         Source::Measured(measurement) => measurement,
-        Source::Given(factors) => return solve_given(factors, lighting, settings, control),
+        Source::Given(factors) => return solve_given(factors, lighting, settings, None, control),
+        Source::OnDemand(rows) => return solve_on_rows(rows.clone(), lighting, settings, None, control),
     };
     let start = Instant::now();
     let task = task(measurement, lighting, settings, control);
     let answer = task.answer()?;
     let estimate = estimate(&task, &answer)?;
-    let limit = if estimate.relative <= settings.accuracy { Limit::Accuracy } else { Limit::Samples };
+    let limit = match answer.solver.stop {
+        Stop::Converged if estimate.relative <= settings.accuracy => Limit::Accuracy,
+        Stop::Converged => Limit::Samples,
+        _ => Limit::Solver,
+    };
     let total = start.elapsed().as_secs_f64();
     let seconds = Seconds { sampling: 0.0, solving: total, total };
     let report = Report { seconds, ..report(&task, &answer, &estimate, settings, limit) };
@@ -293,7 +299,8 @@ fn task<'a>(
         Closure::Exact => 1e-9 * (1.0 - highest),
     };
     let solver = settings.method.solver();
-    let options = SolveOptions { tolerance, max_iterations: MOST_ITERATIONS };
+    let max_iterations = settings.most_iterations(measurement.transport.enclosure().sides());
+    let options = SolveOptions { tolerance, max_iterations, observer: None };
     Task { measurement, lighting, solver, options, control }
 }
 
@@ -372,10 +379,10 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
         luminaires: transport.luminaires().len(),
         rays: transport.shots().total() as u64,
         shadow_rays: transport.lights().total() as u64,
+        rows_on_demand: 0,
+        hemicubes: 0,
         rounds: 0,
-        iterations: answer.solver.iterations,
-        residual: answer.solver.residuals.last().copied().unwrap_or(0.0),
-        converged: answer.solver.stop == Stop::Converged,
+        solver: SolverReport::of(settings.method, answer.solver.clone()),
         energy: estimate.energy.clone(),
         closure: closure(&exchange.raw_closure, &exchange.exposed_area),
         closure_residual: exchange.imbalance,

@@ -1,6 +1,6 @@
 //! The exchange of an enclosure, however it is kept.
 
-use radiosity_operator::{Hierarchical, Operator, Symmetric};
+use radiosity_operator::{Hierarchical, Operator, Symmetric, Update};
 
 /// G between all sides, m2.
 #[derive(Clone, Debug)]
@@ -78,5 +78,17 @@ impl Operator for Exchange {
 
     fn apply(&self, x: &[f64], y: &mut [f64], columns: usize) {
         self.operator().apply(x, y, columns);
+    }
+
+    fn read_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {
+        self.operator().read_row(i, row);
+    }
+
+    fn expect_rows(&self) {
+        self.operator().expect_rows();
+    }
+
+    fn sweep(&self, x: &mut [f64], columns: usize, update: &mut Update) {
+        self.operator().sweep(x, columns, update);
     }
 }

@@ -13,7 +13,7 @@ fn noise(n: usize, seed: u64) -> Vec<f64> {
         .collect()
 }
 
-/// Asserts symmetry, linearity, agreement of blocks with single columns, row sums and repeatability.
+/// Asserts symmetry, linearity, agreement of blocks with single columns, row sums, rows, sweeps and repeatability.
 ///
 /// # Panics
 /// If the operator breaks one of them.
@@ -53,7 +53,50 @@ pub fn check(operator: &dyn Operator) {
         assert!((sum - product).abs() <= 1e-12 * product.abs(), "row sums are not the product with ones");
     }
     assert_eq!(product(&x, 1), gx, "two products of one vector differ");
+    check_rows(operator, &x, &gx);
+    for columns in [1, 2, 3, 4] {
+        check_sweep(operator, &noise(n * columns, 4), columns);
+    }
 }
+
+/// Rows are those of the product, each column once.
+fn check_rows(operator: &dyn Operator, x: &[f64], gx: &[f64]) {
+    let mut row = vec![(u32::MAX, f64::NAN)];
+    for (i, gx) in gx.iter().enumerate().take(MOST_ROWS) {
+        operator.read_row(i, &mut row);
+        let sum: f64 = row.iter().map(|&(j, v)| v * x[j as usize]).sum();
+        assert!((sum - gx).abs() <= 1e-9 * gx.abs(), "row {i} is not that of the product");
+        let mut columns: Vec<u32> = row.iter().map(|e| e.0).collect();
+        columns.sort_unstable();
+        assert!(columns.windows(2).all(|w| w[0] < w[1]), "row {i} has a column twice");
+    }
+}
+
+/// A sweep visits every row once, with what the rows before it have become.
+fn check_sweep(operator: &dyn Operator, start: &[f64], columns: usize) {
+    let (mut x, mut order, mut given) = (start.to_vec(), Vec::new(), Vec::new());
+    operator.sweep(&mut x, columns, &mut |i, sums, x| {
+        order.push(i);
+        given.push(sums.to_vec());
+        x.iter_mut().zip(sums).for_each(|(x, s)| *x = 0.5 * *x + s);
+    });
+    let mut expected = start.to_vec();
+    let mut row = Vec::new();
+    for (&i, sums) in order.iter().zip(&given) {
+        operator.read_row(i, &mut row);
+        for c in 0..columns {
+            let sum: f64 = row.iter().map(|&(j, v)| v * expected[j as usize * columns + c]).sum();
+            assert!((sums[c] - sum).abs() <= 1e-9 * sum.abs(), "row {i}, column {c} of a sweep");
+            expected[i * columns + c] = 0.5 * expected[i * columns + c] + sums[c];
+        }
+    }
+    assert_eq!(x, expected, "a sweep keeps what its updates leave");
+    order.sort_unstable();
+    assert!(order.iter().copied().eq(0..operator.len()), "a sweep visits every row once");
+}
+
+/// Rows looked at one by one: an operator that knows nothing better takes a product for each.
+const MOST_ROWS: usize = 200;
 
 #[cfg(test)]
 mod tests {

@@ -144,6 +144,22 @@ impl Operator for Csr {
             }
         }
     }
+
+    fn read_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {
+        row.clear();
+        let scaled = |(j, v): (u32, f32)| match &self.scale {
+            None => (j, f64::from(v)),
+            Some(scale) => (j, scale[i] * f64::from(v) * scale[j as usize]),
+        };
+        row.extend(self.row(i).iter().copied().map(scaled));
+        // A column that is stored in several entries is one.
+        row.sort_unstable_by_key(|e| e.0);
+        row.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            kept.1 += if same { next.1 } else { 0.0 };
+            same
+        });
+    }
 }
 
 #[cfg(test)]

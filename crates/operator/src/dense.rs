@@ -41,4 +41,9 @@ impl Operator for Dense {
             }
         });
     }
+
+    fn read_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {
+        row.clear();
+        row.extend(self.row(i).iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(j, v)| (j as u32, *v)));
+    }
 }

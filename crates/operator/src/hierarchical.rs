@@ -1,10 +1,16 @@
 //! A symmetric matrix in patches of two kinds: far ones of rank one, near ones entry by entry.
 
+mod rows;
+mod sweep;
+
 use crate::Operator;
+use crate::sweep::Update;
 use crate::symmetric::check_order;
 use radiosity_store::{Numbers, Section, Sections, StoreError, Stored};
 use rayon::prelude::*;
+use rows::Index;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// A symmetric matrix whose blocks far from the diagonal are products of two vectors.
 ///
@@ -16,6 +22,16 @@ pub struct Hierarchical {
     /// Position in the matrix -> number. Numbers that are missing have empty rows.
     order: Vec<u32>,
     parts: Vec<Part>,
+    /// Who is in which block, once somebody wants many rows one by one.
+    index: OnceLock<Index>,
+}
+
+/// A far block: entries `u_i w_j`.
+struct Link<'a> {
+    rows: Range<usize>,
+    columns: Range<usize>,
+    u: &'a [f32],
+    w: &'a [f32],
 }
 
 /// Some blocks above the diagonal: what one piece of work builds.
@@ -159,16 +175,22 @@ impl Part {
         Ok(())
     }
 
-    /// Calls `visit(rows, columns, u, w)` for each far block.
-    fn for_each_link(&self, mut visit: impl FnMut(Range<usize>, Range<usize>, &[f32], &[f32])) {
-        let mut rest: &[f32] = &self.weights;
-        for &[a, b, c, d] in self.links.as_chunks::<4>().0 {
-            let (rows, columns) = (a as usize..b as usize, c as usize..d as usize);
-            let (u, after) = rest.split_at(rows.len());
-            let (w, after) = after.split_at(columns.len());
-            rest = after;
-            visit(rows, columns, u, w);
+    /// Calls `visit` for each far block.
+    fn for_each_link<'a>(&'a self, mut visit: impl FnMut(Link<'a>)) {
+        let mut start = 0;
+        for number in 0..self.links() {
+            let link = self.link_at(number, start);
+            start += link.rows.len() + link.columns.len();
+            visit(link);
         }
+    }
+
+    /// The far block of a number, whose weights start where they do.
+    fn link_at(&self, number: usize, start: usize) -> Link<'_> {
+        let links: &[u32] = &self.links;
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| links[4 * number + k] as usize);
+        let (u, rest) = self.weights[start..].split_at(b - a);
+        Link { rows: a..b, columns: c..d, u, w: &rest[..d - c] }
     }
 
     /// Near entries by row: position, columns, values.
@@ -181,7 +203,7 @@ impl Part {
     }
 
     fn add_product<const C: usize>(&self, x: &[[f64; C]], y: &mut [[f64; C]]) {
-        self.for_each_link(|rows, columns, u, w| {
+        self.for_each_link(|Link { rows, columns, u, w }| {
             let (from_rows, from_columns) = (dot(u, &x[rows.clone()]), dot(w, &x[columns.clone()]));
             add(u, &from_columns, &mut y[rows]);
             add(w, &from_rows, &mut y[columns]);
@@ -233,7 +255,7 @@ fn most_groups(len: usize) -> usize {
 impl Hierarchical {
     /// Joins parts. Their blocks must not overlap and lie above the diagonal, in positions of `order`.
     pub fn new(len: usize, order: Vec<u32>, parts: Vec<Part>) -> Self {
-        Self { len, order, parts }
+        Self { len, order, parts, index: OnceLock::new() }
     }
 
     /// The same of parts out of a file, in which anything may be.
@@ -242,7 +264,7 @@ impl Hierarchical {
     /// If the order is none, in words. Parts are left to [`Hierarchical::check_indices`], as that reads them.
     pub fn from_stored(len: usize, order: Vec<u32>, parts: Vec<Part>) -> Result<Self, String> {
         check_order(&order, len)?;
-        Ok(Self { len, order, parts })
+        Ok(Self::new(len, order, parts))
     }
 
     /// Checks that all blocks lie within the matrix and have their numbers.
@@ -275,33 +297,14 @@ impl Hierarchical {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        4 * self.order.len() + self.parts.iter().map(Part::memory_bytes).sum::<usize>()
+        let index = self.index.get().map_or(0, Index::memory_bytes);
+        4 * self.order.len() + index + self.parts.iter().map(Part::memory_bytes).sum::<usize>()
     }
 
     /// The entries of row `i` that are not zero, columns ascending.
     pub fn row(&self, i: usize) -> Vec<(u32, f64)> {
-        let Some(position) = self.order.iter().position(|&k| k as usize == i) else { return Vec::new() };
         let mut row = Vec::new();
-        for part in &self.parts {
-            part.for_each_link(|rows, columns, u, w| {
-                let (own, range, other) = if rows.contains(&position) {
-                    (u[position - rows.start], columns, w)
-                } else if columns.contains(&position) {
-                    (w[position - columns.start], rows, u)
-                } else {
-                    return;
-                };
-                row.extend(range.zip(other).map(|(q, &v)| (self.order[q], f64::from(own) * f64::from(v))));
-            });
-            for (p, columns, values) in part.near_rows() {
-                if p == position {
-                    row.extend(columns.iter().zip(values).map(|(&q, &v)| (self.order[q as usize], f64::from(v))));
-                } else if let Some(k) = columns.iter().position(|&q| q as usize == position) {
-                    row.push((self.order[p], f64::from(values[k])));
-                }
-            }
-        }
-        row.retain(|e| e.1 != 0.0);
+        self.read_row_of(i, &mut row);
         row.sort_unstable_by_key(|e| e.0);
         row
     }
@@ -373,6 +376,18 @@ impl Operator for Hierarchical {
         self.len
     }
 
+    fn read_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {
+        self.read_row_of(i, row);
+    }
+
+    fn expect_rows(&self) {
+        self.index.get_or_init(|| self.indexed());
+    }
+
+    fn sweep(&self, x: &mut [f64], columns: usize, update: &mut Update) {
+        self.sweep_any(x, columns, update);
+    }
+
     fn apply(&self, x: &[f64], y: &mut [f64], columns: usize) {
         match columns {
             1 => self.product::<1>(x, y),
@@ -424,6 +439,10 @@ mod tests {
             let mut row = [0.0; 10];
             operator.row(i).iter().for_each(|&(j, v)| row[j as usize] = v);
             assert_eq!(row, product, "row {i}");
+            let before = operator.row(i);
+            let indexed = operator.clone();
+            indexed.expect_rows();
+            assert_eq!(indexed.row(i), before);
         }
         assert_eq!(operator.row(9), vec![(0, 2.0), (2, 1.0), (3, 0.5), (6, 0.125), (8, 0.5)]);
         assert!(operator.row(4).is_empty());

@@ -5,6 +5,8 @@ pub mod control;
 pub mod csr;
 pub mod dense;
 pub mod hierarchical;
+pub mod rows;
+pub mod sweep;
 pub mod symmetric;
 
 pub use control::{Cancelled, Control};
@@ -12,6 +14,8 @@ pub use csr::Csr;
 pub use dense::Dense;
 pub use hierarchical::{Hierarchical, Part, PartBuilder};
 pub use radiosity_store::Numbers;
+pub use rows::Rows;
+pub use sweep::Update;
 pub use symmetric::{Block, Precision, Symmetric};
 
 /// A symmetric linear operator on vectors with one entry per element, applied to many columns at once.
@@ -35,5 +39,27 @@ pub trait Operator: Sync {
         let mut sums = vec![0.0; self.len()];
         self.apply(&vec![1.0; self.len()], &mut sums, 1);
         sums
+    }
+
+    /// Replaces `row` by the entries `(column, value)` of row `i`, each column once; zeros may be left out.
+    ///
+    /// By a product with a unit vector, which is also a column, where an operator knows nothing better.
+    fn read_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {
+        let (mut unit, mut image) = (vec![0.0; self.len()], vec![0.0; self.len()]);
+        unit[i] = 1.0;
+        self.apply(&unit, &mut image, 1);
+        row.clear();
+        row.extend(image.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(j, v)| (j as u32, *v)));
+    }
+
+    /// Says that many rows will be read one by one: an operator that finds rows slowly may spend memory on them now.
+    fn expect_rows(&self) {}
+
+    /// Visits every row once, in an order of the operator's own: `update(i, sums, x_i)` is given row `i` of `G x` with
+    /// all updates so far, and may change `x_i`. What stands on the diagonal counts with `x_i` as it was.
+    ///
+    /// Row by row where an operator knows nothing better.
+    fn sweep(&self, x: &mut [f64], columns: usize, update: &mut Update) {
+        sweep::row_by_row(self, x, columns, update);
     }
 }

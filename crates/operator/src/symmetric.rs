@@ -1,9 +1,15 @@
 //! A symmetric matrix without diagonal, each pair stored once.
 
+mod rows;
+mod sweep;
+
 use crate::Operator;
+use crate::sweep::Update;
 use radiosity_store::{Numbers, Section, Sections, StoreError, Stored};
 use rayon::prelude::*;
+use rows::{Columns, positions};
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// The upper triangle of a symmetric matrix in blocks of rows, dense or sparse as each block's filling suggests.
 ///
@@ -13,9 +19,13 @@ pub struct Symmetric {
     len: usize,
     /// Position in the matrix -> number. Numbers that are missing have empty rows.
     order: Vec<u32>,
+    /// Number -> position in the matrix.
+    position: Vec<u32>,
     blocks: Vec<Block>,
     /// Whether blocks that are mapped are let go of after each use.
     is_frugal: bool,
+    /// Of sparse blocks a copy by columns, once somebody wants many rows one by one.
+    columns: OnceLock<Columns>,
 }
 
 /// Consecutive rows: of row p the columns above p.
@@ -70,7 +80,7 @@ impl Symmetric {
     /// # Panics
     /// If the blocks do not cover all positions.
     pub fn from_blocks(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Self {
-        let joined = Self { len, order, blocks, is_frugal: false };
+        let joined = Self::joined(len, order, blocks);
         if let Err(what) = joined.check_shape() {
             panic!("{what}");
         }
@@ -83,9 +93,14 @@ impl Symmetric {
     /// If order and blocks do not fit each other, in words. Indices within sparse blocks are left to
     /// [`Symmetric::check_indices`], as that reads them all.
     pub fn from_stored(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Result<Self, String> {
-        let joined = Self { len, order, blocks, is_frugal: false };
+        let joined = Self::joined(len, order, blocks);
         joined.check_shape()?;
         Ok(joined)
+    }
+
+    fn joined(len: usize, order: Vec<u32>, blocks: Vec<Block>) -> Self {
+        let position = positions(len, &order);
+        Self { len, order, position, blocks, is_frugal: false, columns: OnceLock::new() }
     }
 
     fn check_shape(&self) -> Result<(), String> {
@@ -159,8 +174,7 @@ impl Symmetric {
             values: rows.iter().flatten().map(|e| e.1).collect(),
         };
         // Several blocks let several threads work on a product.
-        let order = (0..rows.len() as u32).collect();
-        Self { len: rows.len(), order, blocks: entries.divided(rows.len()), is_frugal: false }
+        Self::from_blocks(rows.len(), (0..rows.len() as u32).collect(), entries.divided(rows.len()))
     }
 
     /// The number of pairs stored.
@@ -175,7 +189,10 @@ impl Symmetric {
             Entries::Single(values) => 4 * values.len(),
             Entries::Sparse { offsets, columns, values } => 8 * offsets.len() + 4 * columns.len() + 8 * values.len(),
         };
-        4 * self.order.len() + self.blocks.iter().map(|b| bytes(&b.entries)).sum::<usize>()
+        let columns = self.columns.get().map_or(0, Columns::memory_bytes);
+        columns
+            + 4 * (self.order.len() + self.position.len())
+            + self.blocks.iter().map(|b| bytes(&b.entries)).sum::<usize>()
     }
 
     /// Calls `visit(i, j, value)` for every pair that is not zero, once, in a fixed order.
@@ -192,7 +209,7 @@ impl Symmetric {
 
     /// The same pairs with other values: `change(i, j, value)`.
     pub fn mapped(&self, change: impl Fn(usize, usize, f64) -> f64 + Sync) -> Self {
-        let mut other = self.clone();
+        let mut other = Self { columns: OnceLock::new(), ..self.clone() };
         let n = self.order.len();
         other.blocks.par_iter_mut().for_each(|block| {
             let mut values = Vec::with_capacity(block.entries.len());
@@ -210,7 +227,7 @@ impl Symmetric {
     /// # Panics
     /// If the other was not made from this one by [`Symmetric::mapped`], or this from the other.
     pub fn plus(&self, other: &Self, change: impl Fn(usize, usize, f64, f64) -> f64 + Sync) -> Self {
-        let mut result = self.clone();
+        let mut result = Self { columns: OnceLock::new(), ..self.clone() };
         result.blocks.par_iter_mut().zip(&self.blocks).zip(&other.blocks).for_each(|((block, a), b)| {
             assert_eq!(a.entries.len(), b.entries.len(), "the same pairs");
             let mut seconds = Vec::with_capacity(b.entries.len());
@@ -229,19 +246,8 @@ impl Symmetric {
 
     /// The entries of row `i` that are not zero, columns ascending.
     pub fn row(&self, i: usize) -> Vec<(u32, f64)> {
-        let Some(position) = self.order.iter().position(|&k| k as usize == i) else { return Vec::new() };
-        let n = self.order.len();
         let mut row = Vec::new();
-        for block in self.blocks.iter().take_while(|b| b.rows.start <= position) {
-            for p in block.rows.clone() {
-                if p < position {
-                    row.push((self.order[p], block.at(n, p, position)));
-                } else if p == position {
-                    block.for_row(n, p, |q, v| row.push((self.order[q], v)));
-                }
-            }
-        }
-        row.retain(|e| e.1 != 0.0);
+        self.read_row(i, &mut row);
         row.sort_unstable_by_key(|e| e.0);
         row
     }
@@ -465,19 +471,6 @@ impl Block {
         }
     }
 
-    /// One entry above the diagonal.
-    fn at(&self, n: usize, p: usize, q: usize) -> f64 {
-        match &self.entries {
-            Entries::Dense(values) => values[self.start(n, p) + q - p - 1],
-            Entries::Single(values) => f64::from(values[self.start(n, p) + q - p - 1]),
-            Entries::Sparse { offsets, columns, values } => {
-                let row = p - self.rows.start;
-                let range = offsets[row] as usize..offsets[row + 1] as usize;
-                columns[range.clone()].binary_search(&(q as u32)).map_or(0.0, |k| values[range.start + k])
-            }
-        }
-    }
-
     fn add_product<const C: usize>(&self, n: usize, x: &[[f64; C]], y: &mut [[f64; C]]) {
         for p in self.rows.clone() {
             let xp = x[p];
@@ -563,6 +556,18 @@ impl Operator for Symmetric {
             }
         }
     }
+
+    fn read_row(&self, i: usize, row: &mut Vec<(u32, f64)>) {
+        self.read_row_of(i, row);
+    }
+
+    fn expect_rows(&self) {
+        self.columns.get_or_init(|| self.by_columns());
+    }
+
+    fn sweep(&self, x: &mut [f64], columns: usize, update: &mut Update) {
+        self.sweep_any(x, columns, update);
+    }
 }
 
 #[cfg(test)]
@@ -603,10 +608,13 @@ mod tests {
             dense.apply(&x, &mut z, 1);
             assert!(y.iter().zip(&z).all(|(a, b)| (a - b).abs() < 1e-12));
             let (offsets, columns, values) = operator.to_csr();
+            let prepared = operator.clone();
+            prepared.expect_rows();
             for i in 0..n {
                 let row: Vec<(u32, f64)> =
                     (0..n as u32).map(|j| (j, entry(i, j as usize, fill))).filter(|e| e.1 != 0.0).collect();
                 assert_eq!(operator.row(i), row);
+                assert_eq!(prepared.row(i), row);
                 let range = offsets[i]..offsets[i + 1];
                 assert!(columns[range.clone()].iter().zip(&values[range]).map(|(c, v)| (*c, *v)).eq(row));
             }
@@ -631,7 +639,7 @@ mod tests {
         let values: Vec<f64> = (0..n).flat_map(|p| (p + 1..n).map(move |q| entry(p, q, 100))).collect();
         let block = Block::new(n, 0..n, &values, Precision::Single);
         let operator = Symmetric::from_blocks(n, (0..n as u32).collect(), vec![block]);
-        assert_eq!(operator.memory_bytes(), 4 * (n + values.len()));
+        assert_eq!(operator.memory_bytes(), 4 * (2 * n + values.len()));
         conformance::check(&operator);
         for (j, v) in operator.row(7) {
             assert!((v / entry(7, j as usize, 100) - 1.0).abs() < 6e-8);

@@ -2,7 +2,7 @@
 
 use crate::patches::{Enclosure, Patches};
 use crate::scene::LightTuple;
-use crate::solution::{Solution, lighting_in, settings};
+use crate::solution::{Solution, lighting_in, observed, settings};
 use crate::{convert, errors, watch};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
@@ -301,9 +301,8 @@ impl Factors {
     }
 
     /// Solves `B = E + rho F B` on these form factors as they are.
-    #[pyo3(signature = (
-        reflectance, emission, lamps, accuracy, method, seed, memory_limit, threads=None, progress=None
-    ))]
+    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, seed, memory_limit, max_iterations=None,
+                        threads=None, progress=None, on_iterate=None))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -314,14 +313,17 @@ impl Factors {
         method: &str,
         seed: u64,
         memory_limit: u64,
+        max_iterations: Option<usize>,
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
+        on_iterate: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
-        let settings = settings(accuracy, seed, 0, memory_limit, method, true)?;
+        let settings = settings(accuracy, seed, 0, memory_limit, method, max_iterations, true)?;
         let factors = self.checked(py)?;
         let lighting = lighting_in(&factors.enclosure, reflectance, emission, lamps)?;
-        let result = watch::run(py, threads, progress.as_ref(), |control| {
-            radiosity_equilibrium::solve_given(factors, &lighting, &settings, control)
+        let shape = (factors.enclosure.patches().len(), lighting.bands);
+        let result = observed(py, threads, progress, on_iterate, shape, |observer, control| {
+            radiosity_equilibrium::solve_given(factors, &lighting, &settings, observer, control)
         })?;
         Solution::new(result, lighting.bands)
     }

@@ -9,6 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use radiosity_equilibrium::{Closure, Failure, Lamp, Lighting, Method, Report, Settings, Source};
 use radiosity_exchange::Luminaire;
+use radiosity_operator::Control;
+use radiosity_solvers::{Flow, Observer, Snapshot};
 
 /// The equilibrium of light on an enclosure.
 #[pyclass(frozen, module = "radiosity._native")]
@@ -51,7 +53,8 @@ impl Solution {
     }
 
     /// Solves again on the same measured exchange with other emission, reflectance and lamp strengths.
-    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, exact_closure, threads=None, progress=None))]
+    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, exact_closure, max_iterations=None,
+                        threads=None, progress=None))]
     fn relight(
         &self,
         py: Python<'_>,
@@ -61,6 +64,7 @@ impl Solution {
         accuracy: f64,
         method: &str,
         exact_closure: bool,
+        max_iterations: Option<usize>,
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
@@ -70,7 +74,7 @@ impl Solution {
             reflectance,
             emission,
             lamps,
-            &settings(accuracy, 0, 0, u64::MAX, method, exact_closure)?,
+            &settings(accuracy, 0, 0, u64::MAX, method, max_iterations, exact_closure)?,
             threads,
             progress,
         )
@@ -90,7 +94,7 @@ impl Solution {
 /// Solves to the accuracy asked for or says what kept it.
 #[pyfunction]
 #[pyo3(signature = (enclosure, reflectance, emission, lamps, accuracy, seed, max_rays, memory_limit, method,
-                    exact_closure, threads=None, progress=None))]
+                    exact_closure, max_iterations=None, threads=None, progress=None))]
 pub fn solve(
     py: Python<'_>,
     enclosure: &Enclosure,
@@ -103,16 +107,86 @@ pub fn solve(
     memory_limit: u64,
     method: &str,
     exact_closure: bool,
+    max_iterations: Option<usize>,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Solution> {
-    let settings = settings(accuracy, seed, max_rays, memory_limit, method, exact_closure)?;
+    let settings = settings(accuracy, seed, max_rays, memory_limit, method, max_iterations, exact_closure)?;
     let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
     let enclosure = enclosure.inner.clone();
     let result = watch::run(py, threads, progress.as_ref(), |control| {
         radiosity_equilibrium::solve(enclosure, &lighting, &settings, control)
     })?;
     Solution::new(result, lighting.bands)
+}
+
+/// Solves by shooting, through rows that are found when they are asked for.
+#[pyfunction]
+#[pyo3(signature = (enclosure, reflectance, emission, lamps, accuracy, seed, memory_limit, method,
+                    max_iterations=None, threads=None, progress=None, on_iterate=None))]
+pub fn solve_on_demand(
+    py: Python<'_>,
+    enclosure: &Enclosure,
+    reflectance: PyReadonlyArray2<'_, f64>,
+    emission: PyReadonlyArray2<'_, f64>,
+    lamps: Vec<LightTuple>,
+    accuracy: f64,
+    seed: u64,
+    memory_limit: u64,
+    method: &str,
+    max_iterations: Option<usize>,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+    on_iterate: Option<Bound<'_, PyAny>>,
+) -> PyResult<Solution> {
+    let settings = settings(accuracy, seed, 0, memory_limit, method, max_iterations, false)?;
+    if settings.method.overshoot().is_none() {
+        return Err(PyValueError::new_err(format!("'{method}' needs products, and rows on demand have none")));
+    }
+    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
+    let fronts = enclosure.inner.patches().len();
+    let result = observed(py, threads, progress, on_iterate, (fronts, lighting.bands), |observer, control| {
+        radiosity_equilibrium::solve_on_demand(&enclosure.inner, &lighting, &settings, observer, control)
+    })?;
+    Solution::new(result, lighting.bands)
+}
+
+/// A snapshot on its way to the interpreter.
+struct Passing {
+    iteration: usize,
+    residual: f64,
+    unshot: Option<f64>,
+    radiosity: Vec<f64>,
+    ambient: Vec<f64>,
+}
+
+/// Runs a solve that shows its iterations to `on_iterate(iteration, residual, unshot, radiosity, ambient)`, radiosity of
+/// so many fronts and bands. The solve waits for it, and ends if it returns `False`.
+pub fn observed<T: Send>(
+    py: Python<'_>,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+    on_iterate: Option<Bound<'_, PyAny>>,
+    (fronts, bands): (usize, usize),
+    solve: impl FnOnce(Option<&Observer>, &Control) -> T + Send,
+) -> PyResult<T> {
+    let Some(callback) = on_iterate else {
+        return watch::run(py, threads, progress.as_ref(), |control| solve(None, control));
+    };
+    let answer = |py: Python<'_>, s: Passing| {
+        let radiosity = convert::block_out(py, s.radiosity, bands);
+        let answer = callback.call1((s.iteration, s.residual, s.unshot, radiosity, s.ambient))?;
+        Ok(!answer.is(&*pyo3::types::PyBool::new(py, false)))
+    };
+    watch::run_asking(py, threads, progress.as_ref(), answer, |control, desk| {
+        let observer = |s: &Snapshot| {
+            let (radiosity, ambient) = (s.radiosity[..fronts * bands].to_vec(), s.ambient.to_vec());
+            let passing =
+                Passing { iteration: s.iteration, residual: s.residual, unshot: s.unshot, radiosity, ambient };
+            if desk.ask(passing) { Flow::Continue } else { Flow::Stop }
+        };
+        solve(Some(&observer), control)
+    })
 }
 
 fn relight(
@@ -174,21 +248,18 @@ pub fn settings(
     max_rays: u32,
     memory_limit: u64,
     method: &str,
+    max_iterations: Option<usize>,
     exact_closure: bool,
 ) -> PyResult<Settings> {
     if !(accuracy > 0.0 && accuracy.is_finite()) {
         return Err(PyValueError::new_err(format!("accuracy must be a positive number such as 0.01, not {accuracy}")));
     }
-    let method = match method {
-        "conjugate_gradient" => Method::ConjugateGradient,
-        "jacobi" => Method::Jacobi,
-        _ => {
-            let known = "conjugate_gradient, jacobi";
-            return Err(PyValueError::new_err(format!("there is no solver '{method}'; choose one of {known}")));
-        }
-    };
+    let method = Method::from_name(method).ok_or_else(|| {
+        let known = Method::ALL.map(Method::name).join(", ");
+        PyValueError::new_err(format!("there is no solver '{method}'; choose one of {known}"))
+    })?;
     let closure = if exact_closure { Closure::Exact } else { Closure::Balanced };
-    Ok(Settings { accuracy, seed, max_rays, memory_limit, method, closure })
+    Ok(Settings { accuracy, seed, max_rays, memory_limit, method, max_iterations, closure })
 }
 
 fn report_out<'py>(py: Python<'py>, r: &Report) -> PyResult<Bound<'py, PyDict>> {
@@ -204,9 +275,17 @@ fn report_out<'py>(py: Python<'py>, r: &Report) -> PyResult<Bound<'py, PyDict>> 
     d.set_item("rays", r.rays)?;
     d.set_item("shadow_rays", r.shadow_rays)?;
     d.set_item("rounds", r.rounds)?;
-    d.set_item("iterations", r.iterations)?;
-    d.set_item("residual", r.residual)?;
-    d.set_item("converged", r.converged)?;
+    d.set_item("rows_on_demand", r.rows_on_demand)?;
+    d.set_item("hemicubes", r.hemicubes)?;
+    d.set_item("solver", r.solver.name)?;
+    d.set_item("iterations", r.solver.iterations)?;
+    d.set_item("products", r.solver.products)?;
+    d.set_item("residual", r.solver.residual)?;
+    d.set_item("converged", r.solver.converged)?;
+    d.set_item("stop", r.solver.stop)?;
+    d.set_item("history_iterations", r.solver.history.iterations.clone())?;
+    d.set_item("residual_history", r.solver.history.residuals.clone())?;
+    d.set_item("unshot_history", r.solver.history.unshot.clone())?;
     d.set_item("emitted", r.energy.emitted.clone())?;
     d.set_item("from_lights", r.energy.from_lights.clone())?;
     d.set_item("absorbed", r.energy.absorbed.clone())?;

@@ -4,9 +4,17 @@
 //! lights outside the matrix, radiosity B and irradiance H satisfy `B = E + rho H`, `A H = G B + A H0`.
 
 pub mod conjugate_gradient;
+pub mod gauss_seidel;
 pub mod jacobi;
+pub mod over_relaxation;
 pub mod problem;
+pub mod report;
+pub mod southwell;
 
 pub use conjugate_gradient::conjugate_gradient;
+pub use gauss_seidel::gauss_seidel;
 pub use jacobi::jacobi;
-pub use problem::{Problem, ProblemError, SolveOptions, SolveReport, Stop};
+pub use over_relaxation::over_relaxation;
+pub use problem::{Problem, ProblemError};
+pub use report::{Flow, History, Ledger, Observer, Snapshot, SolveOptions, SolveReport, Stop};
+pub use southwell::{Light, Overshoot, shoot, southwell};

@@ -1,12 +1,13 @@
-//! What is solved and what a solver says about it.
+//! What is solved.
 
-use radiosity_operator::{Cancelled, Control, Operator};
+use radiosity_operator::{Operator, Rows};
 
 /// One equation per band on one exchange. Blocks are row-major, an element's bands side by side.
-#[derive(Clone, Copy)]
-pub struct Problem<'a> {
+///
+/// The exchange is an operator, or for a solver that needs no more than rows, a source of them.
+pub struct Problem<'a, X: ?Sized = dyn Operator + 'a> {
     /// G, m2.
-    pub exchange: &'a dyn Operator,
+    pub exchange: &'a X,
     /// Area per element, m2; zero for an element that takes no part.
     pub area: &'a [f64],
     /// Diffuse reflectance in [0, 1), elements x bands.
@@ -52,10 +53,10 @@ pub enum ProblemError {
     },
 }
 
-impl Problem<'_> {
+impl<X: Rows + ?Sized> Problem<'_, X> {
     /// The number of elements.
     pub fn len(&self) -> usize {
-        self.exchange.len()
+        self.exchange.count()
     }
 
     /// Whether there are no elements.
@@ -86,6 +87,37 @@ impl Problem<'_> {
         }
     }
 
+    /// The area of the element that entry `k` of a block belongs to.
+    pub(crate) fn area_at(&self, k: usize) -> f64 {
+        self.area[k / self.bands]
+    }
+
+    /// What leaves before any light has gone from element to element: `E + rho H0`, W/m2.
+    pub(crate) fn source(&self) -> Vec<f64> {
+        let reflected = |k: usize| if self.area_at(k) > 0.0 { self.reflectance[k] * self.incident[k] } else { 0.0 };
+        (0..self.emission.len()).map(|k| self.emission[k] + reflected(k)).collect()
+    }
+
+    /// Per band the sum over elements of the area times `values`.
+    pub(crate) fn power(&self, values: &[f64]) -> Vec<f64> {
+        self.sums(values, |v| v)
+    }
+
+    /// Per band the sum over elements of the area times the square of `values`.
+    pub(crate) fn squares(&self, values: &[f64]) -> Vec<f64> {
+        self.sums(values, |v| v * v)
+    }
+
+    fn sums(&self, values: &[f64], of: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.bands];
+        for (values, area) in values.chunks_exact(self.bands).zip(self.area) {
+            sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += area * of(*v));
+        }
+        sums
+    }
+}
+
+impl Problem<'_> {
     /// `y = G x` for a block of bands.
     pub(crate) fn product(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
@@ -93,64 +125,24 @@ impl Problem<'_> {
         y
     }
 
-    /// The area of the element that entry `k` of a block belongs to.
-    pub(crate) fn area_at(&self, k: usize) -> f64 {
-        self.area[k / self.bands]
-    }
-}
-
-/// When to stop.
-#[derive(Clone, Copy, Debug)]
-pub struct SolveOptions {
-    /// Stop when every band's residual, relative to its right-hand side in the norm weighted by 1/area, is below this.
-    pub tolerance: f64,
-    /// Stop after this many products with the exchange.
-    pub max_iterations: usize,
-}
-
-impl Default for SolveOptions {
-    fn default() -> Self {
-        Self { tolerance: 1e-8, max_iterations: 1000 }
-    }
-}
-
-/// Why a solver stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
-    /// The tolerance is met.
-    Converged,
-    /// The iterations are spent; the answer has not converged.
-    MaxIterations,
-}
-
-/// How a solve went.
-#[derive(Clone, Debug)]
-pub struct SolveReport {
-    /// Products with the exchange.
-    pub iterations: usize,
-    /// The worst band's relative residual before each iteration and at the end.
-    pub residuals: Vec<f64>,
-    /// Why it stopped.
-    pub stop: Stop,
-}
-
-impl SolveReport {
-    pub(crate) fn start() -> Self {
-        Self { iterations: 0, residuals: Vec::new(), stop: Stop::MaxIterations }
-    }
-
-    /// Notes a residual; true when the solver should stop.
-    pub(crate) fn note(&mut self, residual: f64, options: &SolveOptions, control: &Control) -> Result<bool, Cancelled> {
-        control.check()?;
-        self.residuals.push(residual);
-        if residual <= options.tolerance {
-            self.stop = Stop::Converged;
-            return Ok(true);
+    /// One bounce: `E + rho (G x / A + H0)`.
+    pub(crate) fn bounce(&self, x: &[f64]) -> Vec<f64> {
+        let mut next = self.product(x);
+        for (k, v) in next.iter_mut().enumerate() {
+            let area = self.area_at(k);
+            let irradiance = if area > 0.0 { *v / area + self.incident[k] } else { 0.0 };
+            *v = self.emission[k] + self.reflectance[k] * irradiance;
         }
-        if self.iterations >= options.max_iterations {
-            return Ok(true);
-        }
-        self.iterations += 1;
-        Ok(false)
+        next
     }
+}
+
+/// The worst band's norm relative to its scale, from squares of both; zero over zero is a band that is solved.
+pub(crate) fn worst_ratio(squares: &[f64], scale: &[f64]) -> f64 {
+    squares.iter().zip(scale).map(|(e, s)| ratio(*e, *s).sqrt()).fold(0.0, |a, b| if a > b { a } else { b })
+}
+
+/// Nothing out of nothing is nothing.
+pub(crate) fn ratio(a: f64, b: f64) -> f64 {
+    if b > 0.0 { a / b } else { 0.0 }
 }

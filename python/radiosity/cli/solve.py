@@ -40,6 +40,7 @@ class Effort:
     max_rays: int | None = None
     memory: str | None = None
     solver: str = "conjugate_gradient"
+    max_iterations: int | None = None
     threads: int | None = None
     seed: int = 0
 
@@ -58,6 +59,7 @@ def solve(
     unit: options.Unit = None,
     two_sided: options.TwoSided = None,
     solver: options.Solver = "conjugate_gradient",
+    max_iterations: options.MaxIterations = None,
     threads: options.Threads = None,
     seed: options.Seed = 0,
     as_json: options.AsJson = False,
@@ -67,7 +69,7 @@ def solve(
     targets = outputs or []
     output.check_outputs(targets, SUFFIXES, file)
     meshing = source.Meshing(max_edge, patches, as_is, max_patches)
-    effort = Effort(accuracy, max_rays, memory, solver, threads, seed)
+    effort = Effort(accuracy, max_rays, memory, solver, max_iterations, threads, seed)
     source.use_threads(threads)
     if exchange is not None:
         two_sided = source.sides_of_factors(file, two_sided)
@@ -133,6 +135,7 @@ def solve_patches(
             transport=factors,
             accuracy=effort.accuracy,
             solver=effort.solver,  # type: ignore[arg-type]  # the engine says which there are
+            max_iterations=effort.max_iterations,
             memory_limit=memory,
             threads=effort.threads,
             seed=effort.seed,

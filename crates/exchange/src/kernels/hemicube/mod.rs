@@ -70,7 +70,7 @@ impl Default for Settings {
 impl Settings {
     /// # Panics
     /// If a field is out of its range.
-    fn check(&self) {
+    pub(crate) fn check(&self) {
         let Self { resolution, positions, .. } = *self;
         assert!(
             resolution % 2 == 0 && (8..=4096).contains(&resolution),
@@ -102,6 +102,25 @@ pub fn rows_of(
     Scene::new(enclosure, settings, Kernel::detect()).rows_of(sides, control)
 }
 
+/// The rows of some sides by independent sets of hemicubes, `positions` in all: by side, then by set.
+///
+/// # Panics
+/// If a field of `settings` is out of its range, or the sets are not equally many of the positions.
+pub fn replicates_of(enclosure: &Enclosure, sides: &[usize], settings: &Settings, replicates: usize) -> Vec<Vec<Row>> {
+    settings.check();
+    assert!(
+        settings.positions.is_multiple_of(replicates),
+        "{replicates} equal sets of {} hemicubes",
+        settings.positions
+    );
+    let scene = Scene::new(enclosure, settings, Kernel::detect());
+    let rows = |hemicube: &mut Hemicube, &side: &usize| hemicube.replicates(&scene, side, replicates);
+    sides.par_iter().map_init(|| Hemicube::new(&scene), rows).collect()
+}
+
+/// `(side, F)` in ascending order.
+type Row = Vec<(u32, f64)>;
+
 /// What the hemicube at the first position of a side sees, pixel by pixel.
 ///
 /// # Panics
@@ -109,7 +128,7 @@ pub fn rows_of(
 pub fn item_buffer(enclosure: &Enclosure, side: usize, settings: &Settings) -> ItemBuffer {
     settings.check();
     let scene = Scene::new(enclosure, settings, Kernel::detect());
-    let stand = stand(enclosure, side, settings, 0);
+    let stand = stand(enclosure, side, settings, (0, 0));
     let mut buffer = ItemBuffer {
         resolution: settings.resolution,
         position: stand.position,
@@ -182,10 +201,22 @@ impl Hemicube {
     fn row(&mut self, scene: &Scene, side: usize) -> Vec<(u32, f64)> {
         if scene.enclosure.area(side) > 0.0 {
             for index in 0..scene.settings.positions {
-                self.see(scene, &stand(scene.enclosure, side, scene.settings, index).widened(scene.half_width));
+                self.see(scene, &stand(scene.enclosure, side, scene.settings, (0, index)).widened(scene.half_width));
             }
         }
         self.tally.take(scene.enclosure.sides(), 1.0 / scene.settings.positions as f64)
+    }
+
+    /// The rows of a side by independent sets of positions.
+    fn replicates(&mut self, scene: &Scene, side: usize, replicates: usize) -> Vec<Row> {
+        let each = scene.settings.positions / replicates;
+        let row = |replicate| {
+            for index in (0..each).filter(|_| scene.enclosure.area(side) > 0.0) {
+                self.see(scene, &stand(scene.enclosure, side, scene.settings, (replicate, index)));
+            }
+            self.tally.take(scene.enclosure.sides(), 1.0 / each as f64)
+        };
+        (0..replicates as u32).map(row).collect()
     }
 
     /// Adds what is seen from one position to the tally.
@@ -219,11 +250,11 @@ impl Hemicube {
 /// The stream of the sequence that places and turns hemicubes.
 const STREAM: u32 = 3;
 
-/// The place and turn of one of a side's hemicubes.
-fn stand(enclosure: &Enclosure, side: usize, settings: &Settings, index: usize) -> Stand {
+/// The place and turn of one of a side's hemicubes, by replicate and index.
+fn stand(enclosure: &Enclosure, side: usize, settings: &Settings, (replicate, index): (u32, usize)) -> Stand {
     let patch = enclosure.patch_of(side);
     let patches = enclosure.patches();
-    let [s, t, turn, _] = Sequence::new(settings.seed, side as u32, 0, STREAM).point(index as u32);
+    let [s, t, turn, _] = Sequence::new(settings.seed, side as u32, replicate, STREAM).point(index as u32);
     let position = match settings.positions {
         1 => patches.centre[patch],
         _ => Chart::new(&patches.polygons[patch]).point(s, t),

@@ -1,0 +1,5 @@
+//! The solvers, on random exchanges.
+
+mod agreement;
+mod random;
+mod shooting;
