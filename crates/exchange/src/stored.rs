@@ -58,6 +58,8 @@ impl StoredFactors {
         let settings = file.settings().clone();
         let factors =
             FormFactors { operator: joined(blocks)?, standard_error, report: report_in(&told), settings, enclosure };
+        // What was touched of every block to find its arrays.
+        file.release();
         Ok(Self { file, factors: Arc::new(factors), checked: OnceLock::new() })
     }
 

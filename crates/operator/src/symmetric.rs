@@ -234,6 +234,7 @@ impl Symmetric {
                     block.for_row(n, p, |q, v| row.push((self.order[q], v)));
                 }
             }
+            self.done_with(block);
         }
         row.retain(|e| e.1 != 0.0);
         row.sort_unstable_by_key(|e| e.0);
