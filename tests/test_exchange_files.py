@@ -211,7 +211,7 @@ def test_two_do_not_measure_onto_one_file(tmp_path: Path, patches: Patches) -> N
 
 
 MEASURE = """
-import json, sys, radiosity
+import json, sys, radiosity, radiosity.factors
 
 def peak():
     with open("/proc/self/status") as status:

@@ -6,11 +6,12 @@
 
 use crate::answer::{Solver, ratio};
 use crate::energy::Energy;
-use crate::incident::{Incident, LIGHT_SAMPLES};
+use crate::incident::{self, Incident};
 use crate::lighting::Lighting;
 use crate::report::{Limit, Report, Seconds, SolverReport};
-use crate::solve::{Failure, MOST_ITERATIONS, REPLICATES, Settings, Solution, Source, closure};
+use crate::solve::{Failure, MOST_ITERATIONS, Settings, Solution, Source, closure};
 use radiosity_exchange::FormFactors;
+use radiosity_exchange::factors::FactorReport;
 use radiosity_operator::{Cancelled, Control, Operator};
 use radiosity_solvers::{Observer, Problem, SolveOptions, SolveReport, Stop, conjugate_gradient};
 use std::sync::Arc;
@@ -25,12 +26,39 @@ pub fn solve_given(
     control: &Control,
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
-    let needed = forecast(factors, lighting);
+    let needed = forecast(factors, lighting, settings.accuracy);
     if needed > settings.memory_limit {
         let patches = factors.enclosure.patches().len();
         return Err(Failure::Memory { patches, needed, limit: settings.memory_limit });
     }
-    let task = Task::new(factors, lighting, settings, control)?;
+    let incident = Incident::new(&factors.enclosure, lighting, settings.accuracy, settings.seed, control)?;
+    solve_with(factors, Arc::new(incident), lighting, settings, observer, start, control)
+}
+
+/// Solves again with other emission and paint.
+pub fn relight_given(
+    factors: &Arc<FormFactors>,
+    incident: &Arc<Incident>,
+    lighting: &Lighting,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Solution, Failure> {
+    if !incident.is_of(lighting) {
+        return solve_given(factors, lighting, settings, None, control);
+    }
+    solve_with(factors, incident.clone(), lighting, settings, None, Instant::now(), control)
+}
+
+fn solve_with(
+    factors: &Arc<FormFactors>,
+    incident: Arc<Incident>,
+    lighting: &Lighting,
+    settings: &Settings,
+    observer: Option<&Observer>,
+    start: Instant,
+    control: &Control,
+) -> Result<Solution, Failure> {
+    let task = Task::new(factors, incident, lighting, settings, control);
     let method = settings.method;
     let options = SolveOptions { observer, ..task.options() };
     let (radiosity, solver) = task.solve(method.solver(), &task.emission, &task.incident.mean, &options)?;
@@ -45,7 +73,7 @@ pub fn solve_given(
         whole += area;
     }
     let estimated_error = ratio((squares * whole).sqrt(), level);
-    let sums: Vec<f64> = factors.operator.row_sums().iter().zip(&task.area).map(|(s, a)| ratio(*s, *a)).collect();
+    let sums: Vec<f64> = factors.row_sums().iter().zip(&task.area).map(|(s, a)| ratio(*s, *a)).collect();
     let total = start.elapsed().as_secs_f64();
     let report = Report {
         accuracy: settings.accuracy,
@@ -59,7 +87,7 @@ pub fn solve_given(
         patches: factors.enclosure.patches().len(),
         sides: task.area.len(),
         luminaires: lighting.lamps.len(),
-        rays: if factors.standard_error.is_some() { factors.report.samples * task.area.len() as u64 } else { 0 },
+        rays: rays_of(factors),
         shadow_rays: task.incident.tests,
         solver: SolverReport::of(method, solver),
         closure: closure(&sums, &task.area),
@@ -68,7 +96,7 @@ pub fn solve_given(
         seconds: Seconds { sampling: 0.0, solving: total, total },
         ..Report::default()
     };
-    Ok(Solution { irradiance, radiosity, error, report, source: Source::Given(factors.clone()) })
+    Ok(Solution { irradiance, radiosity, error, report, source: Source::Given(factors.clone(), task.incident.clone()) })
 }
 
 /// Blocks of sides x bands that a solve holds at a time: what goes in and comes out, the vectors of a solver, and what
@@ -76,11 +104,20 @@ pub fn solve_given(
 const BLOCKS: u64 = 40;
 
 /// Bytes that solving takes beside the form factors, which are where they are.
-fn forecast(factors: &FormFactors, lighting: &Lighting) -> u64 {
+fn forecast(factors: &FormFactors, lighting: &Lighting, accuracy: f64) -> u64 {
     let sides = factors.enclosure.sides() as u64;
     let squares = factors.standard_error.as_ref().map_or(0, |error| 12 * error.stored() as u64);
-    let samples = 16 * sides * u64::from(LIGHT_SAMPLES) * REPLICATES as u64;
+    let samples = incident::forecast(factors.enclosure.sides(), accuracy);
     BLOCKS * 8 * sides * lighting.bands as u64 + squares + if lighting.lamps.is_empty() { 0 } else { samples }
+}
+
+/// Rays that found form factors.
+fn rays_of(factors: &FormFactors) -> u64 {
+    let FactorReport { samples, links, tally, .. } = factors.report;
+    if factors.standard_error.is_some() {
+        return samples * factors.enclosure.sides() as u64;
+    }
+    links.rays + tally.rays
 }
 
 /// What stays the same through one solve. Blocks are sides x bands.
@@ -92,31 +129,35 @@ struct Task<'a> {
     area: Vec<f64>,
     reflectance: Vec<f64>,
     emission: Vec<f64>,
-    incident: Incident,
+    incident: Arc<Incident>,
 }
 
 impl<'a> Task<'a> {
     fn new(
         factors: &'a FormFactors,
+        incident: Arc<Incident>,
         lighting: &'a Lighting,
         settings: &'a Settings,
         control: &'a Control,
-    ) -> Result<Self, Cancelled> {
+    ) -> Self {
         let enclosure = &factors.enclosure;
-        Ok(Self {
+        Self {
             area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
             reflectance: lighting.per_side(enclosure, |patch| lighting.reflectance_of(patch)),
             emission: lighting.per_side(enclosure, |patch| lighting.emission_of(patch)),
-            incident: Incident::new(enclosure, lighting, settings.seed, control)?,
+            incident,
             factors,
             lighting,
             settings,
             control,
-        })
+        }
     }
 
     fn options(&self) -> SolveOptions<'static> {
-        let tolerance = 1e-9 * (1.0 - self.lighting.highest_reflectance());
+        // Blocks of rank one are not worth more than the accuracy that they were made for.
+        let relative =
+            if self.factors.operator.pairs().is_some() { 1e-9 } else { 0.01 * self.settings.accuracy.min(0.1) };
+        let tolerance = relative * (1.0 - self.lighting.highest_reflectance());
         SolveOptions { tolerance, max_iterations: self.settings.most_iterations(self.area.len()), observer: None }
     }
 
@@ -152,6 +193,9 @@ impl<'a> Task<'a> {
 
     /// The error of irradiance: its own of each side and what the solver left, carried through the interreflections.
     fn error(&self, radiosity: &[f64], irradiance: &[f64]) -> Result<Vec<f64>, Cancelled> {
+        if self.factors.operator.pairs().is_none() {
+            return self.error_of_links(radiosity, irradiance);
+        }
         let squares: Vec<f64> = radiosity.iter().map(|b| b * b).collect();
         let variance = match &self.factors.standard_error {
             Some(error) => {
@@ -178,6 +222,26 @@ impl<'a> Task<'a> {
         Ok(self.irradiance(&carried, &own))
     }
 
+    /// The same of blocks of rank one, by what independent rays make of this very radiosity: what differs from side to
+    /// side is lost in the next bounce, what they have in common is carried on.
+    fn error_of_links(&self, radiosity: &[f64], irradiance: &[f64]) -> Result<Vec<f64>, Cancelled> {
+        let bands = self.lighting.bands;
+        let arriving: Vec<f64> = irradiance.iter().zip(&self.incident.mean).map(|(h, i)| h - i).collect();
+        let found = self.factors.check(self.control)?.deviations(radiosity, &arriving, bands);
+        let share = |part: f64, k: usize| ratio(part, found[k % bands].mean) * arriving[k];
+        let own: Vec<f64> = (0..arriving.len())
+            .map(|k| share(found[k % bands].error, k).hypot(self.incident.standard_error[k]))
+            .collect();
+        let common: Vec<f64> = (0..arriving.len()).map(|k| share(found[k % bands].bias, k)).collect();
+        let options = SolveOptions { tolerance: 0.1, max_iterations: MOST_ITERATIONS, observer: None };
+        let left: Vec<f64> = (0..own.len())
+            .map(|k| (self.emission[k] + self.reflectance[k] * irradiance[k] - radiosity[k]).abs())
+            .collect();
+        let (carried, _) = self.solve(conjugate_gradient, &left, &common, &options)?;
+        let carried = self.irradiance(&carried, &vec![0.0; own.len()]);
+        Ok(own.iter().zip(&carried).map(|(own, carried)| own.hypot(*carried)).collect())
+    }
+
     /// The balance of power. What rows lack of 1 escapes, backs included: form factors do not tell them apart.
     fn energy(&self, radiosity: &[f64], irradiance: &[f64]) -> Energy {
         let bands = self.lighting.bands;
@@ -191,7 +255,7 @@ impl<'a> Task<'a> {
             imbalance: 0.0,
             escape_share: 0.0,
         };
-        let sums = self.factors.operator.row_sums();
+        let sums = self.factors.row_sums();
         for k in 0..radiosity.len() {
             let (side, band) = (k / bands, k % bands);
             let area = self.area[side];

@@ -27,6 +27,7 @@ pub mod transport;
 
 pub use energy::Energy;
 pub use given::solve_given;
+pub use incident::Incident;
 pub use lighting::{Lamp, Lighting};
 pub use method::Method;
 pub use on_demand::solve_on_demand;

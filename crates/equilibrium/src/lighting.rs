@@ -17,7 +17,7 @@ pub struct Lighting {
 }
 
 /// A light without area and its strength per band: W/sr for points and spots, W/m2 for directional light.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Lamp {
     /// Where it is and where it shines.
     pub luminaire: Luminaire,

@@ -131,7 +131,7 @@ impl<'a> Task<'a> {
             area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
             reflectance: lighting.per_side(enclosure, |patch| lighting.reflectance_of(patch)),
             emission: lighting.per_side(enclosure, |patch| lighting.emission_of(patch)),
-            incident: Incident::new(enclosure, lighting, settings.seed, control)?,
+            incident: Incident::new(enclosure, lighting, settings.accuracy, settings.seed, control)?,
         })
     }
 

@@ -2,7 +2,8 @@
 
 use crate::answer::{Answer, Task, ratio};
 use crate::error::{Estimate, estimate};
-use crate::given::solve_given;
+use crate::given::relight_given;
+use crate::incident::Incident;
 use crate::lighting::Lighting;
 use crate::method::Method;
 use crate::on_demand::solve_on_rows;
@@ -111,8 +112,8 @@ pub struct Solution {
 pub enum Source {
     /// Samples taken to an accuracy.
     Measured(Arc<Measurement>),
-    /// Form factors, as they were given.
-    Given(Arc<FormFactors>),
+    /// Form factors, as they were given, and what lights without area put on sides.
+    Given(Arc<FormFactors>, Arc<Incident>),
     /// Rows found as they were asked for.
     OnDemand(Arc<RowsOnDemand>),
 }
@@ -122,7 +123,7 @@ impl Source {
     pub fn enclosure(&self) -> &Arc<Enclosure> {
         match self {
             Source::Measured(measurement) => measurement.transport.enclosure(),
-            Source::Given(factors) => &factors.enclosure,
+            Source::Given(factors, _) => &factors.enclosure,
             Source::OnDemand(rows) => rows.enclosure(),
         }
     }
@@ -232,7 +233,7 @@ pub fn relight(
 ) -> Result<Solution, Failure> {
     let measurement = match source {
         Source::Measured(measurement) => measurement,
-        Source::Given(factors) => return solve_given(factors, lighting, settings, None, control),
+        Source::Given(factors, incident) => return relight_given(factors, incident, lighting, settings, control),
         Source::OnDemand(rows) => return solve_on_rows(rows.clone(), lighting, settings, None, control),
     };
     let start = Instant::now();

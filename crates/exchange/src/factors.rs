@@ -2,7 +2,7 @@
 
 use crate::enclosure::Enclosure;
 use crate::exchange::Exchange;
-use crate::hierarchy;
+use crate::hierarchy::{self, Check};
 use crate::kernels::hemicube;
 use crate::pairs::{self, Kernel, Tally};
 use crate::quadrature::PlaneRule;
@@ -11,7 +11,7 @@ use crate::samples::Samples;
 use crate::shots::{Shot, shoot};
 use radiosity_operator::{Cancelled, Control, Operator, Symmetric};
 use radiosity_store::StoreError;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// How form factors are found; one file in [`crate::kernels`] each.
@@ -153,9 +153,30 @@ pub struct FormFactors {
     pub report: FactorReport,
     /// What the numbers follow from, for files.
     pub settings: radiosity_store::Settings,
+    /// Rows by independent rays, once somebody asks how wrong a product is.
+    pub check: OnceLock<Check>,
+    /// Row sums of G, m2, once they are known.
+    pub sums: OnceLock<Vec<f64>>,
 }
 
 impl FormFactors {
+    /// Row sums of G, m2.
+    pub fn row_sums(&self) -> &[f64] {
+        self.sums.get_or_init(|| self.operator.row_sums())
+    }
+
+    /// Rows by independent rays, to hold products against that no other error is known of.
+    ///
+    /// # Errors
+    /// If it is cancelled.
+    pub fn check(&self, control: &Control) -> Result<&Check, Cancelled> {
+        if self.check.get().is_none() {
+            let check = Check::new(&self.enclosure, self.report.estimated_error.max(LEAST_CHECKED), 0, control)?;
+            let _ = self.check.set(check);
+        }
+        Ok(self.check.get().expect("just set"))
+    }
+
     /// Each pair by itself.
     ///
     /// # Errors
@@ -164,6 +185,9 @@ impl FormFactors {
         self.operator.pairs().ok_or(NotByPairs)
     }
 }
+
+/// Rows are not looked at more closely than for an error of this.
+const LEAST_CHECKED: f64 = 2e-3;
 
 /// What asks for single form factors of a hierarchical exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -209,7 +233,15 @@ pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control
     };
     let report = FactorReport { seconds: start.elapsed().as_secs_f64(), ..report };
     let named = settings.named(enclosure.patches());
-    Ok(FormFactors { enclosure, operator: Exchange::Pairs(operator), standard_error, report, settings: named })
+    Ok(FormFactors {
+        enclosure,
+        operator: Exchange::Pairs(operator),
+        standard_error,
+        report,
+        settings: named,
+        check: OnceLock::new(),
+        sums: OnceLock::new(),
+    })
 }
 
 /// Links and near pairs, and how wrong they are by independent rays.
@@ -220,7 +252,15 @@ fn by_links(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control) -
     let report = report_of_links(&enclosure, &operator.row_sums(), settings, (links, tally), control)?;
     let report = FactorReport { seconds: start.elapsed().as_secs_f64(), ..report };
     let named = settings.named(enclosure.patches());
-    Ok(FormFactors { enclosure, operator: Exchange::Links(operator), standard_error: None, report, settings: named })
+    Ok(FormFactors {
+        enclosure,
+        operator: Exchange::Links(operator),
+        standard_error: None,
+        report,
+        settings: named,
+        check: OnceLock::new(),
+        sums: OnceLock::new(),
+    })
 }
 
 /// What is said of a hierarchical exchange: its error is that of its row sums.
@@ -231,7 +271,7 @@ pub(crate) fn report_of_links(
     (links, tally): (hierarchy::Tally, Tally),
     control: &Control,
 ) -> Result<FactorReport, Cancelled> {
-    let check = hierarchy::Check::new(enclosure, settings.tolerance, settings.seed, control)?;
+    let check = Check::new(enclosure, settings.tolerance, settings.seed, control)?;
     let area = |side: usize| enclosure.area(side);
     let sums: Vec<f64> =
         row_sums.iter().enumerate().map(|(side, sum)| if area(side) > 0.0 { sum / area(side) } else { 0.0 }).collect();

@@ -17,7 +17,7 @@ use radiosity_operator::{Cancelled, Control};
 use std::f64::consts::FRAC_1_PI;
 
 /// Something small or without area that sends light.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Luminaire {
     /// A side that emits; its samples weigh as form factors.
     Side(u32),

@@ -72,7 +72,17 @@ impl StoredFactors {
             file.with_role(STANDARD_ERROR).map(|mut s| Block::from_sections(&mut s)).collect::<Result<_, _>>()?;
         let standard_error = if errors.is_empty() { None } else { Some(joined(errors)?) };
         let settings = file.settings().clone();
-        let factors = FormFactors { operator, standard_error, report: report_in(&told), settings, enclosure };
+        let factors = FormFactors {
+            operator,
+            standard_error,
+            report: report_in(&told),
+            settings,
+            enclosure,
+            check: OnceLock::new(),
+            sums: OnceLock::new(),
+        };
+        // What was touched of every block to find its arrays.
+        file.release();
         Ok(Self { file, factors: Arc::new(factors), checked: OnceLock::new() })
     }
 

@@ -23,6 +23,9 @@ pub struct StoreFile {
     settings: Settings,
 }
 
+/// Looking at a head has the system map the pages around it; after so many heads they are let go of.
+const RELEASE_AFTER: usize = 32;
+
 #[derive(Clone)]
 struct Record {
     role: u32,
@@ -73,6 +76,9 @@ impl StoreFile {
             digest.add(head);
             records.push(record);
             next = after;
+            if records.len() % RELEASE_AFTER == 0 {
+                release(&map, 0, next);
+            }
         }
         if footer.records != records.len() as u64 || footer.digest != digest.value() {
             return Err("the file is damaged: its records are not those that its end tells of".into());
@@ -80,7 +86,7 @@ impl StoreFile {
         let mut file = Self { path: path.into(), map, preamble, records, settings: Settings::new() };
         file.settings = file.read_settings().ok_or("the file is damaged: its first record holds no settings")?;
         // What was touched to look at the structure.
-        release(&file.map, 0, file.map.len());
+        file.release();
         Ok(file)
     }
 
@@ -110,6 +116,11 @@ impl StoreFile {
                 Err(StoreError::damaged(&self.path, what))
             }
         }
+    }
+
+    /// Lets go of all pages that were read; they are there again when they are read.
+    pub fn release(&self) {
+        release(&self.map, 0, self.map.len());
     }
 
     fn is_sound(&self, record: &Record) -> bool {
@@ -143,7 +154,13 @@ impl StoreFile {
 
     /// The records of a role, in order.
     pub fn with_role(&self, role: u32) -> impl Iterator<Item = Sections<'_>> {
-        (0..self.records.len()).filter(move |&k| self.records[k].role == role).map(|k| Sections::new(self, k))
+        let of_role = (0..self.records.len()).filter(move |&k| self.records[k].role == role);
+        of_role.enumerate().map(|(count, k)| {
+            if count % RELEASE_AFTER == RELEASE_AFTER - 1 {
+                self.release();
+            }
+            Sections::new(self, k)
+        })
     }
 
     /// The sections of the first record after the settings.

@@ -32,6 +32,8 @@ pub struct Check {
 pub struct Deviation {
     /// Root mean square over area, less what the rays of the check may have added, and what chance may have hidden.
     pub error: f64,
+    /// What all rows have in common of it, either way.
+    pub bias: f64,
     /// The mean over area by rays.
     pub mean: f64,
 }
@@ -60,7 +62,7 @@ impl Check {
     }
 
     fn deviation(&self, sent: &dyn Fn(usize) -> f64, arriving: &dyn Fn(usize) -> f64) -> Deviation {
-        let (mut squares, mut mean) = (Vec::with_capacity(self.sides.len()), 0.0);
+        let (mut squares, mut mean, mut off) = (Vec::with_capacity(self.sides.len()), 0.0, 0.0);
         for (&side, targets) in self.sides.iter().zip(self.targets.chunks_exact(REPLICATES * self.each)) {
             let means: Vec<f64> = targets
                 .chunks_exact(self.each)
@@ -74,11 +76,12 @@ impl Check {
             let noise = means.iter().map(|m| (m - middle).powi(2)).sum::<f64>() / (n * (n - 1.0));
             squares.push((arriving(side as usize) - middle).powi(2) - noise);
             mean += middle;
+            off += arriving(side as usize) - middle;
         }
         let n = squares.len().max(1) as f64;
         let square = squares.iter().sum::<f64>() / n;
         let spread = squares.iter().map(|s| (s - square).powi(2)).sum::<f64>() / (n * (n - 1.0).max(1.0));
-        Deviation { error: (square.max(0.0) + spread.sqrt()).sqrt(), mean: mean / n }
+        Deviation { error: (square.max(0.0) + spread.sqrt()).sqrt(), bias: (off / n).abs(), mean: mean / n }
     }
 
     /// Rays cast.

@@ -83,6 +83,7 @@ impl Symmetric {
             if block.rows.contains(&position) {
                 block.for_row(n, position, &mut add);
             }
+            self.done_with(block);
         }
     }
 }
