@@ -28,6 +28,32 @@ impl Exchange {
         }
     }
 
+    /// Entries that are not zero, both triangles; of rank one, those of their blocks.
+    pub fn count(&self) -> usize {
+        match self {
+            Exchange::Pairs(pairs) => pairs.count(),
+            Exchange::Links(links) => links.count(),
+        }
+    }
+
+    /// All entries that are not zero as compressed rows, columns ascending: offsets, columns, values.
+    pub fn to_csr(&self) -> (Vec<usize>, Vec<u32>, Vec<f64>) {
+        let links = match self {
+            Exchange::Pairs(pairs) => return pairs.to_csr(),
+            Exchange::Links(links) => links,
+        };
+        links.expect_rows();
+        let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        for i in 0..links.len() {
+            for (j, v) in links.row(i) {
+                columns.push(j);
+                values.push(v);
+            }
+            offsets.push(columns.len());
+        }
+        (offsets, columns, values)
+    }
+
     /// The entries that it keeps, of rank one those of its vectors: what a product reads.
     pub fn stored(&self) -> usize {
         match self {

@@ -290,6 +290,13 @@ impl Hierarchical {
         self.parts.iter().map(Part::links).sum()
     }
 
+    /// The number of entries that may not be zero, both triangles.
+    pub fn count(&self) -> usize {
+        let mut count = self.pairs();
+        self.parts.iter().for_each(|part| part.for_each_link(|link| count += link.rows.len() * link.columns.len()));
+        2 * count
+    }
+
     /// The number of near pairs.
     pub fn pairs(&self) -> usize {
         self.parts.iter().map(Part::pairs).sum()

@@ -10,10 +10,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use radiosity_exchange::factors::{FormFactors, Method, Settings, measure};
 use radiosity_exchange::stored::{self, StoredFactors};
-use radiosity_exchange::{Rows, factors, smoothing};
-use radiosity_operator::{Operator, Symmetric};
+use radiosity_exchange::{Exchange, Rows, factors, smoothing};
+use radiosity_operator::Operator;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The exchange between the fronts of patches (and the backs of two-sided ones, numbered after them).
 #[pyclass(frozen, module = "radiosity._native")]
@@ -159,10 +159,12 @@ pub fn given_factors(
     let settings = stored::given(&enclosure.inner, &operator);
     Ok(Factors::in_memory(FormFactors {
         enclosure: enclosure.inner.clone(),
-        operator,
+        operator: Exchange::Pairs(operator),
         standard_error: None,
         report,
         settings,
+        check: OnceLock::new(),
+        sums: OnceLock::new(),
     }))
 }
 
@@ -173,6 +175,7 @@ fn method_in(name: &str, samples: Option<u32>, resolution: usize) -> PyResult<Me
         "contour" => Method::Contour,
         "nusselt" => Method::Nusselt { points: samples.map(|n| n as usize) },
         "hemicube" => Method::Hemicube { resolution, positions: samples.map(|n| n as usize) },
+        "hierarchical" => Method::Hierarchical,
         "monte_carlo" => Method::MonteCarlo { rays: samples.unwrap_or(4096) },
         _ => return Err(PyValueError::new_err(format!("there is no method '{name}'"))),
     })
@@ -214,7 +217,7 @@ impl Factors {
     /// All of F as compressed rows.
     fn csr<'py>(&self, py: Python<'py>) -> PyResult<Csr<'py>> {
         let factors = self.checked(py)?;
-        Ok(rows_of(py, &factors.operator, factors))
+        Ok(rows_of(py, || factors.operator.to_csr(), factors))
     }
 
     /// The number of factors above zero.
@@ -226,7 +229,7 @@ impl Factors {
     /// The standard errors of F as compressed rows, where rays found it.
     fn standard_error<'py>(&self, py: Python<'py>) -> PyResult<Option<Csr<'py>>> {
         let factors = self.checked(py)?;
-        Ok(factors.standard_error.as_ref().map(|error| rows_of(py, error, factors)))
+        Ok(factors.standard_error.as_ref().map(|error| rows_of(py, || error.to_csr(), factors)))
     }
 
     /// F as a dense matrix.
@@ -236,10 +239,18 @@ impl Factors {
         let values = py.detach(|| {
             let mut values = vec![0.0; n * n];
             let inverse: Vec<f64> = (0..n).map(|i| 1.0 / factors.enclosure.area(i)).collect();
-            factors.operator.for_each_pair(|i, j, g| {
-                values[i * n + j] = g * inverse[i];
-                values[j * n + i] = g * inverse[j];
-            });
+            match factors.operator.pairs() {
+                Some(pairs) => pairs.for_each_pair(|i, j, g| {
+                    values[i * n + j] = g * inverse[i];
+                    values[j * n + i] = g * inverse[j];
+                }),
+                None => {
+                    factors.operator.expect_rows();
+                    for (i, row) in values.chunks_exact_mut(n.max(1)).enumerate() {
+                        factors.operator.row(i).into_iter().for_each(|(j, g)| row[j as usize] = g * inverse[i]);
+                    }
+                }
+            }
             values
         });
         Ok(convert::block_out(py, values, n))
@@ -261,6 +272,7 @@ impl Factors {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(Factors, f64)> {
         let inner = self.checked(py)?;
+        let pairs = inner.pairs().map_err(|e| PyValueError::new_err(e.to_string()))?;
         let enclosure = &inner.enclosure;
         if wanted.len() != enclosure.sides() {
             return Err(PyValueError::new_err(format!("give one row sum for each of {} sides", enclosure.sides())));
@@ -268,15 +280,17 @@ impl Factors {
         let sums: Vec<f64> = wanted.iter().enumerate().map(|(i, w)| w * enclosure.area(i)).collect();
         let result = watch::run(py, threads, progress.as_ref(), |control| {
             let variance = inner.standard_error.as_ref().map(|error| error.mapped(|_, _, e| e * e));
-            smoothing::with_row_sums(&inner.operator, variance.as_ref(), &sums, control)
+            smoothing::with_row_sums(pairs, variance.as_ref(), &sums, control)
         })?;
         let (operator, left) = result.map_err(|c| errors::factors(c.into()))?;
         let factors = FormFactors {
             enclosure: enclosure.clone(),
             settings: stored::given(enclosure, &operator),
-            operator,
+            operator: Exchange::Pairs(operator),
             standard_error: inner.standard_error.clone(),
             report: inner.report,
+            check: OnceLock::new(),
+            sums: OnceLock::new(),
         };
         Ok((Factors::in_memory(factors), left))
     }
@@ -294,6 +308,9 @@ impl Factors {
         d.set_item("by_areas", r.tally.by_areas)?;
         d.set_item("by_contour", r.tally.by_contour)?;
         d.set_item("by_rays", r.tally.by_rays)?;
+        d.set_item("links_in_full_view", r.links.clear)?;
+        d.set_item("links_partly_hidden", r.links.sampled)?;
+        d.set_item("rays", r.links.rays + r.tally.rays)?;
         d.set_item("unresolved", r.tally.unresolved)?;
         d.set_item("memory_bytes", factors.operator.memory_bytes())?;
         d.set_item("seconds", r.seconds)?;
@@ -329,10 +346,15 @@ impl Factors {
     }
 }
 
-fn rows_of<'py>(py: Python<'py>, operator: &Symmetric, factors: &FormFactors) -> Csr<'py> {
+/// Compressed rows of G as those of F.
+fn rows_of<'py>(
+    py: Python<'py>,
+    exchange: impl FnOnce() -> (Vec<usize>, Vec<u32>, Vec<f64>) + Send,
+    factors: &FormFactors,
+) -> Csr<'py> {
     let (offsets, columns, values) = py.detach(|| {
-        let (offsets, columns, mut values) = operator.to_csr();
-        for i in 0..operator.len() {
+        let (offsets, columns, mut values) = exchange();
+        for i in 0..factors.operator.len() {
             let inverse = 1.0 / factors.enclosure.area(i);
             values[offsets[i]..offsets[i + 1]].iter_mut().for_each(|v| *v *= inverse);
         }
