@@ -79,6 +79,7 @@ _MODULES = {
     "report",
     "scene",
     "scenes",
+    "shooting",
     "solution",
     "surface_factors",
     "teaching",

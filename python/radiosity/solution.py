@@ -18,7 +18,7 @@ from radiosity.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int, int], object]
-Solver = Literal["conjugate_gradient", "jacobi"]
+Solver = Literal["conjugate_gradient", "jacobi", "shooting"]
 
 DEFAULT_PATCHES = 5000
 """Patches that a scene is cut into when the caller does not say."""
@@ -39,7 +39,7 @@ class Solution:
     def __init__(
         self,
         patches: Patches,
-        native: _native.Solution,
+        native: _native.Solution | _native.ShotSolution,
         reflectance: Floats,
         emission: Floats,
         options: dict[str, Any],
@@ -54,7 +54,7 @@ class Solution:
             self._on_all_patches(values) for values in native.backs()
         )
         self.report = Report(**native.report(), seed=options["seed"], bands=list(patches.scene.bands))
-        self._native = native
+        self._native: Any = native
         self._options = options
 
     def __repr__(self) -> str:
@@ -125,6 +125,8 @@ def solve(
     closure: Literal["balanced", "exact"] = "balanced",
     max_rays: int = 1 << 18,
     memory_limit: int | None = None,
+    time_limit: float | None = None,
+    start: Solution | None = None,
     threads: int | None = None,
     seed: int = 0,
     progress: Progress | None = None,
@@ -137,10 +139,14 @@ def solve(
             samples until its own estimate of the error is below; ``report.reached`` says whether it got there.
         transport: form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by patch, instead of
             measuring the exchange to the accuracy.
-        solver: how the equations are solved.
+        solver: how the equations are solved. "shooting" takes no form factors at all: power is shot as rays until
+            little is left, and memory is a few hundred bytes a patch however many rays; for scenes too large for
+            anything else. Its solution can be refined, see :class:`radiosity.shooting.ShootingSolution`.
         closure: "balanced" scales the rows of the exchange to their known sums within the accuracy, "exact" to 1e-9.
         max_rays: most rays per patch.
         memory_limit: bytes that samples and operator may take (default: four fifths of what is available).
+        time_limit: seconds after which "shooting" begins no further round.
+        start: a solution by "shooting" of the same patches to go on from.
         threads: default: all cores. The answer does not depend on it.
         seed: the same seed gives the same bytes.
         progress: called with (done, total) some twenty times a second.
@@ -151,6 +157,17 @@ def solve(
     """
     patches = scene if isinstance(scene, Patches) else scene.patches(count=DEFAULT_PATCHES)
     patches.scene.validate()
+    if solver == "shooting":
+        from radiosity.shooting import shoot  # noqa: PLC0415
+
+        if transport is not None:
+            raise ValueError("shooting needs no form factors: leave out transport, or choose another solver")
+        return shoot(
+            patches, accuracy=accuracy, max_rays=max_rays, memory_limit=memory_limit, time_limit=time_limit,
+            start=start, threads=threads, seed=seed, progress=progress,
+        )  # fmt: skip
+    if time_limit is not None or start is not None:
+        raise ValueError(f"time_limit and start are for solver='shooting', not for '{solver}'")
     exact, threads, seed = _is_exact(closure), threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
     options = {"accuracy": float(accuracy), "solver": solver, "exact": exact, "threads": threads, "seed": seed}
     lamps = _lamps(patches.scene)

@@ -19,6 +19,7 @@ pub mod given;
 pub mod lighting;
 pub mod plan;
 pub mod report;
+pub mod shooting;
 pub mod solve;
 pub mod transport;
 
@@ -26,5 +27,6 @@ pub use energy::Energy;
 pub use given::solve_given;
 pub use lighting::{Lamp, Lighting};
 pub use report::{Limit, Report};
+pub use shooting::{Shooting, ShootingSettings, ShotSolution, shoot};
 pub use solve::{Closure, Failure, Measurement, Method, Settings, Solution, Source, relight, solve};
 pub use transport::Transport;

@@ -13,6 +13,8 @@ pub enum Limit {
     PatchSize,
     /// More samples would not fit the memory limit.
     Memory,
+    /// The time was up.
+    Time,
     /// The samples were given; none were added.
     Samples,
 }
@@ -25,6 +27,7 @@ impl Limit {
             Limit::Rays => "max_rays",
             Limit::PatchSize => "patch_size",
             Limit::Memory => "memory",
+            Limit::Time => "time",
             Limit::Samples => "samples",
         }
     }

@@ -52,7 +52,7 @@ MaxPatches = Annotated[int | None, typer.Option(min=1, metavar="N", help="The mo
 Accuracy = Annotated[float, typer.Option(help="Wanted error of irradiance, RMS over area, relative to the mean.")]
 MaxRays = Annotated[int | None, typer.Option(min=1, max=2**32 - 1, metavar="N", help="Most rays per patch.")]
 Memory = Annotated[str | None, typer.Option(metavar="SIZE", help="Memory to stay within, such as 4GB or 500MiB.")]
-Solver = Annotated[str, typer.Option(help="How the equations are solved: conjugate_gradient or jacobi.")]
+Solver = Annotated[str, typer.Option(help="How the equations are solved: conjugate_gradient, jacobi or shooting.")]
 Threads = Annotated[int | None, typer.Option(min=1, metavar="N", help="Threads to use; all cores by default.")]
 Seed = Annotated[int, typer.Option(min=0, max=2**64 - 1, help="The same seed gives the same bytes.")]
 
