@@ -1,5 +1,6 @@
 //! From the sums of the replicates to irradiance, its error, and where the power went.
 
+use super::cells::Cells;
 use super::{Context, REPLICATES, Replicate, Shooting, ShotSolution};
 use crate::answer::ratio;
 use crate::energy::Energy;
@@ -36,6 +37,9 @@ pub(super) struct Answer {
     pub error: Vec<f64>,
     /// Root mean square over area and bands of the error, relative to the mean irradiance.
     pub relative: f64,
+    /// The part of it that the replicates tell, and that by taking cells as constant.
+    pub relative_sampling: f64,
+    pub relative_cells: f64,
     pub mean_irradiance: f64,
     /// Mean squares of the errors of direct and of indirect light.
     pub direct_variance: f64,
@@ -50,21 +54,15 @@ pub(super) fn direct<'a>(
     luminaires: &Luminaires,
     light_samples: u32,
 ) -> Direct<'a> {
-    let known = Known::new(context.enclosure, context.lighting, luminaires, context.exposure);
-    Direct::new(replicate, context.enclosure, context.lighting, &known, light_samples)
+    let known = Known::new(context.cells, context.lighting, luminaires, context.exposure);
+    Direct::new(replicate, context.cells, context.lighting, &known, light_samples)
 }
 
 impl<'a> Direct<'a> {
-    fn new(
-        replicate: &'a Replicate,
-        enclosure: &Enclosure,
-        lighting: &Lighting,
-        known: &Known,
-        light_samples: u32,
-    ) -> Self {
+    fn new(replicate: &'a Replicate, cells: &Cells, lighting: &Lighting, known: &Known, light_samples: u32) -> Self {
         let per_sample = ratio(1.0, f64::from(light_samples));
         let bands = lighting.bands;
-        let landed = sums(enclosure, bands, &replicate.from_emitters, |_, _| 1.0);
+        let landed = sums(cells, bands, &replicate.from_emitters, |_, _| 1.0);
         let scale = |b: usize| {
             let (escaped, on_backs) = replicate.emitters.of(b);
             ratio(known.sampled[b] * (1.0 - escaped - on_backs), landed[b] * per_sample)
@@ -89,9 +87,9 @@ impl<'a> Direct<'a> {
         context: &'b Context,
         luminaires: &Luminaires,
     ) -> impl Fn(usize, usize) -> f64 + use<'b> {
-        let sampled = sampled(context.enclosure, luminaires);
-        move |side, band| {
-            if sampled[side] { 0.0 } else { context.lighting.emission_of(context.enclosure.patch_of(side))[band] }
+        let sampled = sampled(context.cells, luminaires);
+        move |cell, band| {
+            if sampled[cell] { 0.0 } else { context.lighting.emission_of(context.cells.patch_of(cell))[band] }
         }
     }
 
@@ -100,52 +98,52 @@ impl<'a> Direct<'a> {
     pub fn first_power(&self, context: &Context, luminaires: &Luminaires) -> Vec<f64> {
         let emission = self.emission(context, luminaires);
         let mut power = vec![0.0; self.replicate.from_lights.len()];
-        power.par_chunks_exact_mut(self.bands).enumerate().for_each(|(side, power)| {
-            let reflectance = context.lighting.reflectance_of(context.enclosure.patch_of(side));
-            let exposure = f64::from(context.exposure[side]);
+        power.par_chunks_exact_mut(self.bands).enumerate().for_each(|(cell, power)| {
+            let reflectance = context.lighting.reflectance_of(context.cells.patch_of(cell));
+            let exposure = f64::from(context.exposure[cell]);
             for (b, p) in power.iter_mut().enumerate() {
-                let reflected = reflectance[b] * self.irradiance(side * self.bands + b);
-                *p = context.enclosure.area(side) * (exposure * emission(side, b) + reflected);
+                let reflected = reflectance[b] * self.irradiance(cell * self.bands + b);
+                *p = context.cells.area(cell) * (exposure * emission(cell, b) + reflected);
             }
         });
         power
     }
 }
 
-/// Whether each side is sampled by area.
-fn sampled(enclosure: &Enclosure, luminaires: &Luminaires) -> Vec<bool> {
-    let mut sampled = vec![false; enclosure.sides()];
+/// Whether each cell is sampled by area.
+fn sampled(cells: &Cells, luminaires: &Luminaires) -> Vec<bool> {
+    let (mut sampled, each) = (vec![false; cells.count()], cells.per_side());
     for luminaire in &luminaires.list {
         if let Luminaire::Side(side) = *luminaire {
-            sampled[side as usize] = true;
+            sampled[side as usize * each..][..each].fill(true);
         }
     }
     sampled
 }
 
-/// Per band: the sum over sides of area times value times factor.
-fn sums(enclosure: &Enclosure, bands: usize, values: &[f32], factor: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+/// Per band: the sum over cells of area times value times factor.
+fn sums(cells: &Cells, bands: usize, values: &[f32], factor: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let mut sums = vec![0.0; bands];
-    for (side, values) in values.chunks_exact(bands).enumerate() {
-        let area = enclosure.area(side);
+    for (cell, values) in values.chunks_exact(bands).enumerate() {
+        let area = cells.area(cell);
         for (b, v) in values.iter().enumerate() {
-            sums[b] += area * f64::from(*v) * factor(side, b);
+            sums[b] += area * f64::from(*v) * factor(cell, b);
         }
     }
     sums
 }
 
 impl Known {
-    fn new(enclosure: &Enclosure, lighting: &Lighting, luminaires: &Luminaires, exposure: &[f32]) -> Self {
+    fn new(cells: &Cells, lighting: &Lighting, luminaires: &Luminaires, exposure: &[f32]) -> Self {
         let none = || vec![0.0; lighting.bands];
         let mut known = Self { emitted: none(), buried: none(), sampled: none() };
-        let sampled = sampled(enclosure, luminaires);
-        for side in 0..enclosure.sides() {
-            let (area, exposed) = (enclosure.area(side), f64::from(exposure[side]));
-            for (b, e) in lighting.emission_of(enclosure.patch_of(side)).iter().enumerate() {
+        let sampled = sampled(cells, luminaires);
+        for cell in 0..cells.count() {
+            let (area, exposed) = (cells.area(cell), f64::from(exposure[cell]));
+            for (b, e) in lighting.emission_of(cells.patch_of(cell)).iter().enumerate() {
                 known.emitted[b] += area * e;
                 known.buried[b] += area * (1.0 - exposed) * e;
-                known.sampled[b] += if sampled[side] { area * exposed * e } else { 0.0 };
+                known.sampled[b] += if sampled[cell] { area * exposed * e } else { 0.0 };
             }
         }
         known
@@ -161,25 +159,19 @@ struct Scaled<'a> {
 }
 
 impl<'a> Scaled<'a> {
-    fn new(
-        replicate: &'a Replicate,
-        shooting: &Shooting,
-        enclosure: &Enclosure,
-        lighting: &Lighting,
-        known: &Known,
-    ) -> Self {
+    fn new(replicate: &'a Replicate, shooting: &Shooting, cells: &Cells, lighting: &Lighting, known: &Known) -> Self {
         let bands = lighting.bands;
-        let direct = Direct::new(replicate, enclosure, lighting, known, shooting.light_samples);
-        let reflectance = |side: usize, b: usize| lighting.reflectance_of(enclosure.patch_of(side))[b];
+        let direct = Direct::new(replicate, cells, lighting, known, shooting.light_samples);
+        let reflectance = |cell: usize, b: usize| lighting.reflectance_of(cells.patch_of(cell))[b];
         let per_sample = ratio(1.0, f64::from(shooting.light_samples));
-        let from_lights = sums(enclosure, bands, &replicate.from_lights, |_, _| per_sample);
-        let gathered = sums(enclosure, bands, &replicate.gathered, |side, b| 1.0 - reflectance(side, b));
+        let from_lights = sums(cells, bands, &replicate.from_lights, |_, _| per_sample);
+        let gathered = sums(cells, bands, &replicate.gathered, |cell, b| 1.0 - reflectance(cell, b));
         let (mut landed, mut reflected) = (vec![0.0; bands], vec![0.0; bands]);
-        for side in 0..enclosure.sides() {
+        for cell in 0..cells.count() {
             for b in 0..bands {
-                let power = enclosure.area(side) * direct.irradiance(side * bands + b);
+                let power = cells.area(cell) * direct.irradiance(cell * bands + b);
                 landed[b] += power;
-                reflected[b] += reflectance(side, b) * power;
+                reflected[b] += reflectance(cell, b) * power;
             }
         }
         let mut energy = Energy {
@@ -203,11 +195,30 @@ impl<'a> Scaled<'a> {
         Self { direct, replicate, indirect, energy }
     }
 
-    /// Direct and indirect irradiance of entry `k`.
+    /// Direct and indirect irradiance of a side.
     #[inline]
-    fn irradiance(&self, k: usize) -> (f64, f64) {
-        let indirect = self.indirect[k % self.indirect.len()] * f64::from(self.replicate.gathered[k]);
-        (self.direct.irradiance(k), indirect)
+    fn irradiance(&self, cells: &Cells, side: usize, band: usize) -> (f64, f64) {
+        let (each, bands) = (cells.per_side(), self.indirect.len());
+        let (mut direct, mut indirect) = (0.0, 0.0);
+        for cell in side * each..(side + 1) * each {
+            direct += self.direct.irradiance(cell * bands + band);
+            indirect += f64::from(self.replicate.gathered[cell * bands + band]);
+        }
+        (direct / each as f64, self.indirect[band] * indirect / each as f64)
+    }
+}
+
+/// Sums over area of weight, irradiance, its variance, its square error by cells, direct and indirect variance.
+#[derive(Clone, Copy, Default)]
+struct Moments([f64; 6]);
+
+impl Moments {
+    fn add(&mut self, weight: f64, values: [f64; 6]) {
+        self.0.iter_mut().zip(values).for_each(|(s, v)| *s += weight * v);
+    }
+
+    fn mean(&self, of: usize) -> f64 {
+        ratio(self.0[of], self.0[0])
     }
 }
 
@@ -220,68 +231,76 @@ fn moments(values: [f64; REPLICATES]) -> (f64, f64) {
 }
 
 impl Answer {
-    pub fn new(shooting: &Shooting, enclosure: &Enclosure, lighting: &Lighting, luminaires: &Luminaires) -> Self {
-        let known = Known::new(enclosure, lighting, luminaires, &shooting.exposure);
+    pub fn new(shooting: &Shooting, cells: &Cells, lighting: &Lighting, luminaires: &Luminaires) -> Self {
+        let known = Known::new(cells, lighting, luminaires, &shooting.exposure);
         let scaled: Vec<Scaled> =
-            shooting.replicates.iter().map(|r| Scaled::new(r, shooting, enclosure, lighting, &known)).collect();
-        let size = enclosure.sides() * lighting.bands;
+            shooting.replicates.iter().map(|r| Scaled::new(r, shooting, cells, lighting, &known)).collect();
+        let size = cells.enclosure.sides() * lighting.bands;
         let mut answer = Self {
             irradiance: vec![0.0; size],
             error: vec![0.0; size],
             relative: 0.0,
+            relative_sampling: 0.0,
+            relative_cells: 0.0,
             mean_irradiance: 0.0,
             direct_variance: 0.0,
             indirect_variance: 0.0,
             energy: mean_energy(&scaled),
         };
-        answer.average(&scaled, enclosure, lighting.bands);
+        answer.average(shooting, &scaled, cells, lighting.bands);
         answer
     }
 
-    fn average(&mut self, scaled: &[Scaled], enclosure: &Enclosure, bands: usize) {
-        const CHUNK: usize = 4096;
-        let parts: Vec<[f64; 5]> = self
+    fn average(&mut self, shooting: &Shooting, scaled: &[Scaled], cells: &Cells, bands: usize) {
+        const SIDES: usize = 1024;
+        let parts: Vec<Moments> = self
             .irradiance
-            .par_chunks_mut(CHUNK)
-            .zip(self.error.par_chunks_mut(CHUNK))
+            .par_chunks_mut(SIDES * bands)
+            .zip(self.error.par_chunks_mut(SIDES * bands))
             .enumerate()
             .map(|(chunk, (irradiance, error))| {
-                let mut sums = [0.0; 5];
-                for (i, (h, e)) in irradiance.iter_mut().zip(error).enumerate() {
-                    let k = chunk * CHUNK + i;
-                    let both: [(f64, f64); REPLICATES] = std::array::from_fn(|r| scaled[r].irradiance(k));
-                    let (mean, variance) = moments(both.map(|(d, i)| d + i));
-                    (*h, *e) = (mean, variance.sqrt());
-                    let weight = enclosure.area(k / bands);
-                    let parts = [1.0, mean, variance, moments(both.map(|b| b.0)).1, moments(both.map(|b| b.1)).1];
-                    sums.iter_mut().zip(parts).for_each(|(s, p)| *s += weight * p);
+                let mut sums = Moments::default();
+                for (i, (h, e)) in irradiance.chunks_exact_mut(bands).zip(error.chunks_exact_mut(bands)).enumerate() {
+                    let side = chunk * SIDES + i;
+                    let by_cells = shooting.error_by_cells(cells, side);
+                    let weight = cells.enclosure.area(side);
+                    for b in 0..bands {
+                        let both: [_; REPLICATES] = std::array::from_fn(|r| scaled[r].irradiance(cells, side, b));
+                        let (mean, variance) = moments(both.map(|(d, i)| d + i));
+                        (h[b], e[b]) = (mean, (variance + by_cells.max(0.0)).sqrt());
+                        let (direct, indirect) = (moments(both.map(|b| b.0)).1, moments(both.map(|b| b.1)).1);
+                        sums.add(weight, [1.0, mean, variance, by_cells, direct, indirect]);
+                    }
                 }
                 sums
             })
             .collect();
-        let sum = |p: usize| parts.iter().map(|s| s[p]).sum::<f64>();
-        self.mean_irradiance = ratio(sum(1), sum(0));
-        self.relative = ratio(ratio(sum(2), sum(0)).sqrt(), self.mean_irradiance);
-        self.direct_variance = ratio(sum(3), sum(0));
-        self.indirect_variance = ratio(sum(4), sum(0));
+        let mut all = Moments::default();
+        parts.iter().for_each(|part| all.add(1.0, part.0));
+        self.mean_irradiance = all.mean(1);
+        self.relative_sampling = ratio(all.mean(2).sqrt(), self.mean_irradiance);
+        self.relative_cells = ratio(all.mean(3).max(0.0).sqrt(), self.mean_irradiance);
+        self.relative = self.relative_sampling.hypot(self.relative_cells);
+        (self.direct_variance, self.indirect_variance) = (all.mean(4), all.mean(5));
     }
 
     pub fn report(
         &self,
         shooting: &Shooting,
-        enclosure: &Enclosure,
+        cells: &Cells,
         lighting: &Lighting,
         luminaires: &Luminaires,
         accuracy: f64,
         limit: Limit,
     ) -> Report {
+        let enclosure = cells.enclosure;
         let escape_share = ratio(shooting.rays_escaped as f64, shooting.rays_gathered as f64);
         Report {
             accuracy,
             limited_by: Some(limit),
             estimated_error: self.relative,
-            sampling_error: self.relative,
-            discretisation_error: 0.0,
+            sampling_error: self.relative_sampling,
+            discretisation_error: self.relative_cells,
             patches: enclosure.patches().len(),
             sides: enclosure.sides(),
             luminaires: luminaires.list.len(),
@@ -292,10 +311,10 @@ impl Answer {
             residual: shooting.left,
             converged: true,
             energy: Energy { escape_share, ..self.energy.clone() },
-            closure: shooting.closure(enclosure),
+            closure: shooting.closure(cells),
             closure_residual: 0.0,
             memory_bytes: enclosure.memory_bytes()
-                + super::state::memory(enclosure.sides(), lighting.bands, luminaires) as usize,
+                + super::state::memory(cells.count(), lighting.bands, luminaires) as usize,
             seconds: Default::default(),
         }
     }
@@ -332,12 +351,22 @@ fn mean_energy(scaled: &[Scaled]) -> Energy {
 }
 
 impl Shooting {
+    /// Square of the error that taking cells as constant leaves in a side, in the mean over bands; without bias, so it
+    /// may be negative: the product of what both halves of the replicates say.
+    fn error_by_cells(&self, cells: &Cells, side: usize) -> f64 {
+        let each = cells.per_side();
+        let of = |half: &Vec<f32>| half[side * each..][..each].iter().map(|&c| f64::from(c)).sum::<f64>();
+        let rays = f64::from(self.rays) * each as f64 * (REPLICATES / 2) as f64;
+        let [a, b] = [0, 1].map(|half| cells.error_left() * ratio(of(&self.changed[half]), rays));
+        a * b
+    }
+
     /// Row sums of F as rays that gathered found them: least, mean by area, greatest.
-    fn closure(&self, enclosure: &Enclosure) -> (f64, f64, f64) {
-        let levels = super::state::levels(enclosure);
-        let rays = |side: usize| REPLICATES as f64 * f64::from(super::gather::of_level(self.rays, levels[side]));
-        let row: Vec<f64> = self.landed.iter().enumerate().map(|(s, &n)| ratio(f64::from(n), rays(s))).collect();
-        let area: Vec<f64> = (0..enclosure.sides()).map(|s| enclosure.area(s)).collect();
+    fn closure(&self, cells: &Cells) -> (f64, f64, f64) {
+        let levels = super::state::levels(cells);
+        let rays = |cell: usize| REPLICATES as f64 * f64::from(super::gather::of_level(self.rays, levels[cell]));
+        let row: Vec<f64> = self.landed.iter().enumerate().map(|(c, &n)| ratio(f64::from(n), rays(c))).collect();
+        let area: Vec<f64> = (0..cells.count()).map(|c| cells.area(c)).collect();
         crate::solve::closure(&row, &area)
     }
 }

@@ -20,7 +20,7 @@ const STREAM: u32 = 1 << 16;
 
 /// What bounces brought.
 pub(super) struct Bounced {
-    /// Irradiance by all bounces, sides x bands.
+    /// Irradiance by all bounces, cells x bands.
     pub irradiance: Vec<f64>,
     /// The part of the first that shooting answers for.
     pub shared: Vec<f64>,
@@ -51,7 +51,7 @@ impl Effort {
     }
 }
 
-/// Shoots what sides send first (sides x bands, W), then what they reflect, and so on. `gathered` are the rays per m2
+/// Shoots what cells send first (cells x bands, W), then what they reflect, and so on. `gathered` are the rays per m2
 /// that gather the first bounce from the other end; `note` is told the salvo that shoots it.
 pub(super) fn shoot(
     context: &Context,
@@ -108,7 +108,7 @@ fn collect(context: &Context, salvo: &Salvo, counts: &Counts, irradiance: &mut [
     irradiance.par_iter_mut().enumerate().with_min_len(4096).for_each(|(k, h)| {
         let units = counts.take(k);
         if units > 0 {
-            *h += units as f64 * salvo.unit(k % bands) / context.enclosure.area(k / bands);
+            *h += units as f64 * salvo.unit(k % bands) / context.cells.area(k / bands);
         }
     });
 }
@@ -118,18 +118,18 @@ fn reflect(context: &Context, units: &[f64], arrived: &Counts, irradiance: &mut 
     let bands = context.lighting.bands;
     irradiance.par_iter_mut().zip(power).enumerate().with_min_len(4096).for_each(|(k, (h, power))| {
         let watts = arrived.take(k) as f64 * units[k % bands];
-        let (side, band) = (k / bands, k % bands);
-        *power = watts * context.lighting.reflectance_of(context.enclosure.patch_of(side))[band];
+        let (cell, band) = (k / bands, k % bands);
+        *power = watts * context.lighting.reflectance_of(context.cells.patch_of(cell))[band];
         if watts > 0.0 {
-            *h += watts / context.enclosure.area(side);
+            *h += watts / context.cells.area(cell);
         }
     });
 }
 
 fn totals(power: &[f64], bands: usize) -> Vec<f64> {
     let mut totals = vec![0.0; bands];
-    for side in power.chunks_exact(bands) {
-        totals.iter_mut().zip(side).for_each(|(t, p)| *t += p);
+    for cell in power.chunks_exact(bands) {
+        totals.iter_mut().zip(cell).for_each(|(t, p)| *t += p);
     }
     totals
 }

@@ -4,6 +4,8 @@
 //! sample luminaires -> shoot bounce by bounce -> gather what shooting left rough -> estimate the error -> once more
 //! ```
 //!
+//! Sides of small scenes are cut into cells (`cells.rs`), which shoot and gather each for itself.
+//!
 //! Nothing is kept of a ray but what it carried, so memory is a few numbers a patch. Four independent replicates each
 //!
 //! 1. **sample** the light that comes straight from luminaires, as every solver here does;
@@ -23,6 +25,7 @@
 
 mod answer;
 mod bounces;
+mod cells;
 mod direct;
 mod exposure;
 mod gather;
@@ -38,6 +41,7 @@ use crate::lighting::Lighting;
 use crate::report::{Limit, Report, Seconds};
 use crate::solve::Failure;
 use answer::Answer;
+use cells::Cells;
 use radiosity_exchange::luminaires::Luminaires;
 use radiosity_exchange::{Enclosure, LightSample, Luminaire};
 use radiosity_operator::Control;
@@ -92,7 +96,7 @@ pub struct ShotSolution {
 
 /// What all steps look at.
 struct Context<'a> {
-    enclosure: &'a Enclosure,
+    cells: &'a Cells<'a>,
     lighting: &'a Lighting,
     exposure: &'a [f32],
     seed: u64,
@@ -103,13 +107,13 @@ impl Context<'_> {
     /// The emission of the luminaire of a sample, which is a side.
     fn emission_of(&self, luminaires: &Luminaires, sample: &LightSample) -> &[f64] {
         match luminaires.list[sample.luminaire as usize] {
-            Luminaire::Side(side) => self.lighting.emission_of(self.enclosure.patch_of(side as usize)),
+            Luminaire::Side(side) => self.lighting.emission_of(self.cells.enclosure.patch_of(side as usize)),
             _ => unreachable!("lights without area stand after the emitters"),
         }
     }
 }
 
-/// Sums of one replicate, sides x bands each.
+/// Sums of one replicate, cells x bands each.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Replicate {
     /// Light samples toward lights without area.
@@ -168,7 +172,7 @@ impl Shares {
 /// Bytes that shooting takes beside patches and hierarchy.
 pub fn forecast(enclosure: &Enclosure, lighting: &Lighting) -> u64 {
     let luminaires = luminaires(enclosure, lighting);
-    state::memory(enclosure.sides(), lighting.bands, &luminaires) + output(enclosure, lighting)
+    state::memory(Cells::new(enclosure).count(), lighting.bands, &luminaires) + output(enclosure, lighting)
 }
 
 /// Shoots to the accuracy asked for, or as near as the limits allow; the report says which. Goes on from `start`.
@@ -181,6 +185,7 @@ pub fn shoot(
 ) -> Result<ShotSolution, Failure> {
     let began = Instant::now();
     let luminaires = luminaires(enclosure, lighting);
+    let cells = Cells::new(enclosure);
     let needed = forecast(enclosure, lighting);
     if needed > settings.memory_limit {
         let patches = enclosure.patches().len();
@@ -188,34 +193,42 @@ pub fn shoot(
     }
     let mut shooting = match start {
         Some(start) => start.clone(),
-        None => Shooting::new(enclosure, lighting, &luminaires, settings.seed, control)?,
+        None => Shooting::new(&cells, lighting, &luminaires, settings.seed, control)?,
     };
     let mut seconds = Seconds::default();
     loop {
         if shooting.rounds > 0 {
             let before = Instant::now();
-            let answer = Answer::new(&shooting, enclosure, lighting, &luminaires);
+            let answer = Answer::new(&shooting, &cells, lighting, &luminaires);
             seconds.solving += before.elapsed().as_secs_f64();
-            let limit = limit(&shooting, &answer, settings, began.elapsed().as_secs_f64());
+            let limit = limit(&shooting, &answer, settings, cells.per_side(), began.elapsed().as_secs_f64());
             if let Some(limit) = limit {
                 seconds.total = began.elapsed().as_secs_f64();
-                let mut report = answer.report(&shooting, enclosure, lighting, &luminaires, settings.accuracy, limit);
+                let mut report = answer.report(&shooting, &cells, lighting, &luminaires, settings.accuracy, limit);
                 report.seconds = seconds;
                 return Ok(answer.solution(enclosure, lighting, report, shooting));
             }
             shooting.plan(&answer);
         }
         let before = Instant::now();
-        shooting.round(enclosure, lighting, &luminaires, control)?;
+        shooting.round(&cells, lighting, &luminaires, control)?;
         seconds.sampling += before.elapsed().as_secs_f64();
     }
 }
 
 /// What to stop for, if anything.
-fn limit(shooting: &Shooting, answer: &Answer, settings: &ShootingSettings, seconds: f64) -> Option<Limit> {
-    let most = settings.max_rays / REPLICATES as u32;
+fn limit(
+    shooting: &Shooting,
+    answer: &Answer,
+    settings: &ShootingSettings,
+    per_side: usize,
+    seconds: f64,
+) -> Option<Limit> {
+    let most = settings.max_rays / (REPLICATES * per_side) as u32;
     if answer.relative <= settings.accuracy || answer.mean_irradiance == 0.0 {
         Some(Limit::Accuracy)
+    } else if answer.relative_cells > settings.accuracy && answer.relative_sampling < 0.5 * answer.relative_cells {
+        Some(Limit::PatchSize)
     } else if shooting.rays >= most || shooting.light_samples >= most {
         Some(Limit::Rays)
     } else if seconds >= settings.time_limit {

@@ -13,9 +13,10 @@ pub struct Parts {
     pub counts: Vec<u64>,
     /// Power left, then escaped, on backs and weight of both kinds of power, replicate by replicate.
     pub shares: Vec<f64>,
-    /// Exposed shares, then the sums of each replicate, sides x bands each.
+    /// Exposed shares and what coarser cells would change, by each half of the replicates, then the sums of each
+    /// replicate, cells x bands each.
     pub sums: Vec<f32>,
-    /// Rays that landed, per side.
+    /// Rays that landed, per cell.
     pub landed: Vec<u32>,
 }
 
@@ -37,7 +38,8 @@ impl Shooting {
             self.rays_escaped,
             u64::from(self.bounces),
         ];
-        let (mut shares, mut sums) = (vec![self.left], self.exposure.clone());
+        let (mut shares, mut sums) =
+            (vec![self.left], [&self.exposure[..], &self.changed[0], &self.changed[1]].concat());
         for replicate in &self.replicates {
             for s in [&replicate.emitters, &replicate.others] {
                 shares.extend(s.escaped.iter().chain(&s.on_backs).chain([&s.weight]));
@@ -51,18 +53,30 @@ impl Shooting {
     /// The state that arrays tell of.
     pub fn from_parts(parts: Parts) -> Result<Self, StateError> {
         let error = |what: &str| Err(StateError(format!("this is no state of shooting: {what}")));
-        let [version, seed, fingerprint, bands, emitters, rounds, rays, light_samples, shot, gathered, escaped, bounces] =
-            parts.counts[..]
+        let [
+            version,
+            seed,
+            fingerprint,
+            bands,
+            emitters,
+            rounds,
+            rays,
+            light_samples,
+            shot,
+            gathered,
+            escaped,
+            bounces,
+        ] = parts.counts[..]
         else {
             return error("it has another number of counts");
         };
         if version != VERSION {
             return Err(StateError(format!("the state has version {version}; this program reads version {VERSION}")));
         }
-        let (sides, bands) = (parts.landed.len(), bands as usize);
+        let (cells, bands) = (parts.landed.len(), bands as usize);
         let blocks = if emitters == 0 { 3 } else { 4 };
-        let size = bands.checked_mul(sides).filter(|size| {
-            let sums = size.checked_mul(REPLICATES * blocks).and_then(|s| s.checked_add(sides));
+        let size = bands.checked_mul(cells).filter(|size| {
+            let sums = size.checked_mul(REPLICATES * blocks).and_then(|s| s.checked_add(3 * cells));
             sums == Some(parts.sums.len()) && parts.shares.len() == 1 + REPLICATES * 2 * (2 * bands + 1)
         });
         let Some(size) = size else { return error("its arrays do not fit together") };
@@ -70,7 +84,7 @@ impl Shooting {
             return error("its numbers make no sense");
         }
         let whole = |v: u64| u32::try_from(v).map_err(|_| StateError("a count of the state is too large".into()));
-        let mut take = Taker { shares: &parts.shares[1..], sums: &parts.sums[sides..] };
+        let mut take = Taker { shares: &parts.shares[1..], sums: &parts.sums[3 * cells..] };
         let replicates = (0..REPLICATES).map(|_| take.replicate(bands, size, emitters != 0)).collect();
         Ok(Self {
             seed,
@@ -85,7 +99,8 @@ impl Shooting {
             rays_escaped: escaped,
             bounces: whole(bounces)?,
             left: parts.shares[0],
-            exposure: parts.sums[..sides].to_vec(),
+            exposure: parts.sums[..cells].to_vec(),
+            changed: [1, 2].map(|k| parts.sums[k * cells..(k + 1) * cells].to_vec()),
             landed: parts.landed,
             replicates,
         })
@@ -114,7 +129,11 @@ impl Taker<'_> {
     fn shares(&mut self, bands: usize) -> Shares {
         let (taken, rest) = self.shares.split_at(2 * bands + 1);
         self.shares = rest;
-        Shares { escaped: taken[..bands].to_vec(), on_backs: taken[bands..2 * bands].to_vec(), weight: taken[2 * bands] }
+        Shares {
+            escaped: taken[..bands].to_vec(),
+            on_backs: taken[bands..2 * bands].to_vec(),
+            weight: taken[2 * bands],
+        }
     }
 
     fn sums(&mut self, count: usize) -> Vec<f32> {

@@ -1,6 +1,6 @@
 //! Rays of many sides traced together, in an order in which neighbours take similar ways through the hierarchy.
 
-use radiosity_exchange::Enclosure;
+use super::cells::Cells;
 use radiosity_exchange::enclosure::Landing;
 use radiosity_geometry::Vec3;
 use radiosity_geometry::bvh::{Hit, Ray};
@@ -32,13 +32,13 @@ impl Batch {
     }
 
     /// Traces what waits, tells of each ray its tag and where it landed, and is empty again.
-    pub fn trace(&mut self, enclosure: &Enclosure, mut tell: impl FnMut(u32, &Ray, Landing)) {
+    pub fn trace(&mut self, cells: &Cells, mut tell: impl FnMut(u32, &Ray, Landing)) {
         self.order();
         self.hits.clear();
         self.hits.resize(self.ordered.len(), Hit::MISS);
-        enclosure.bvh().closest_hits(&self.ordered, &mut self.hits);
+        cells.enclosure.bvh().closest_hits(&self.ordered, &mut self.hits);
         for ((ray, hit), &slot) in self.ordered.iter().zip(&self.hits).zip(&self.slots) {
-            tell(self.tags[slot as usize], ray, enclosure.landing(ray.direction, hit));
+            tell(self.tags[slot as usize], ray, cells.landing(ray, hit));
         }
         self.rays.clear();
         self.tags.clear();
@@ -69,11 +69,8 @@ impl Batch {
 #[inline]
 fn cell(direction: Vec3) -> usize {
     let d = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
-    let (x, y) = if d.z >= 0.0 {
-        (d.x, d.y)
-    } else {
-        ((1.0 - d.y.abs()).copysign(d.x), (1.0 - d.x.abs()).copysign(d.y))
-    };
+    let (x, y) =
+        if d.z >= 0.0 { (d.x, d.y) } else { ((1.0 - d.y.abs()).copysign(d.x), (1.0 - d.x.abs()).copysign(d.y)) };
     let index = |v: f32| ((v * 4.0 + 4.0) as usize).min(7);
     8 * index(x) + index(y)
 }

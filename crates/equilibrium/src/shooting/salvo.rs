@@ -1,8 +1,8 @@
-//! One salvo: rays that carry given power from sides to wherever they land.
+//! One salvo: rays that carry given power from cells to wherever they land.
 //!
-//! Every ray carries about the same power, so sides shoot in proportion to what they have (Neumann 1995; Bekaert 1999,
+//! Every ray carries about the same power, so cells shoot in proportion to what they have (Neumann 1995; Bekaert 1999,
 //! *Hierarchical and Stochastic Algorithms for Radiosity*, section 6.3). A ray carries all bands at once. How many rays
-//! a side gets is rounded along the running sum of powers with one random offset, so that no run of sides shoots more
+//! a cell gets is rounded along the running sum of powers with one random offset, so that no run of cells shoots more
 //! than one ray too many or too few, and each as many as it should on average.
 //!
 //! Power is counted in whole units of about 2^-60 of the salvo's. Sums of whole numbers do not depend on their order,
@@ -24,10 +24,10 @@ const UNITS: f64 = (1u64 << 60) as f64;
 /// The share of rays by each band's own total, whatever its power: no band starves.
 const EVEN: f64 = 0.25;
 
-/// How often a ray that would start inside a solid is started elsewhere on its side.
+/// How often a ray that would start inside a solid is started elsewhere on its cell.
 const TRIES: u32 = 16;
 
-/// Counts of arrived power, sides x bands.
+/// Counts of arrived power, cells x bands.
 pub(super) struct Counts(Vec<AtomicU64>);
 
 impl Counts {
@@ -59,19 +59,19 @@ pub(super) struct Losses {
 
 /// How the first bounce is shared with what gathers the same light from the other end.
 pub(super) struct Sharing<'a> {
-    /// Rays that a side gathers by, per m2.
+    /// Rays that a cell gathers by, per m2.
     pub gathered: &'a [f32],
     /// The part of arrivals that counts here.
     pub counts: &'a Counts,
 }
 
-/// Rays of each side, and what each carries.
+/// Rays of each cell, and what each carries.
 pub(super) struct Salvo<'a> {
     power: &'a [f64],
     bands: usize,
     /// Total power per band, W.
     total: Vec<f64>,
-    /// Rays of all sides before each; one more than sides.
+    /// Rays of all cells before each; one more than cells.
     offsets: Vec<u64>,
     /// Expected rays per weight.
     per_weight: f64,
@@ -80,16 +80,16 @@ pub(super) struct Salvo<'a> {
 }
 
 impl<'a> Salvo<'a> {
-    /// Shares `rays` among sides by power (sides x bands, W); `offset` in [0, 1) decides how shares are rounded.
+    /// Shares `rays` among cells by power (cells x bands, W); `offset` in [0, 1) decides how shares are rounded.
     pub fn new(power: &'a [f64], bands: usize, rays: u64, offset: f64) -> Self {
         let mut total = vec![0.0; bands];
-        for side in power.chunks_exact(bands) {
-            total.iter_mut().zip(side).for_each(|(t, p)| *t += p);
+        for cell in power.chunks_exact(bands) {
+            total.iter_mut().zip(cell).for_each(|(t, p)| *t += p);
         }
         let mut salvo = Self { power, bands, total, offsets: Vec::new(), per_weight: 0.0, scale: vec![1.0; bands] };
-        let sides = power.len() / bands;
-        let sum: f64 = (0..sides).map(|side| salvo.weight(side)).sum();
-        salvo.offsets = vec![0; sides + 1];
+        let cells = power.len() / bands;
+        let sum: f64 = (0..cells).map(|cell| salvo.weight(cell)).sum();
+        salvo.offsets = vec![0; cells + 1];
         if sum > 0.0 {
             salvo.per_weight = rays as f64 / sum;
             salvo.share(offset);
@@ -99,13 +99,13 @@ impl<'a> Salvo<'a> {
 
     fn share(&mut self, offset: f64) {
         let (mut running, mut carried) = (0.0, vec![0.0; self.bands]);
-        for side in 0..self.offsets.len() - 1 {
-            let expected = self.expected(side);
+        for cell in 0..self.offsets.len() - 1 {
+            let expected = self.expected(cell);
             running += expected;
-            self.offsets[side + 1] = (running + offset) as u64;
-            let rays = (self.offsets[side + 1] - self.offsets[side]) as f64;
+            self.offsets[cell + 1] = (running + offset) as u64;
+            let rays = (self.offsets[cell + 1] - self.offsets[cell]) as f64;
             if rays > 0.0 {
-                let power = &self.power[side * self.bands..][..self.bands];
+                let power = &self.power[cell * self.bands..][..self.bands];
                 carried.iter_mut().zip(power).for_each(|(c, p)| *c += rays * p / expected);
             }
         }
@@ -114,10 +114,10 @@ impl<'a> Salvo<'a> {
         }
     }
 
-    /// The share of a side in the rays, not normalised: by the squares of its bands, which is what an error is, and
+    /// The share of a cell in the rays, not normalised: by the squares of its bands, which is what an error is, and
     /// a part by each band's share of its own total.
-    fn weight(&self, side: usize) -> f64 {
-        let power = &self.power[side * self.bands..][..self.bands];
+    fn weight(&self, cell: usize) -> f64 {
+        let power = &self.power[cell * self.bands..][..self.bands];
         let (mut squares, mut even, mut whole) = (0.0, 0.0, 0.0);
         for (p, t) in power.iter().zip(&self.total).filter(|(_, t)| **t > 0.0) {
             squares += p * p;
@@ -127,9 +127,9 @@ impl<'a> Salvo<'a> {
         if whole > 0.0 { (1.0 - EVEN) * squares.sqrt() / whole + EVEN * even } else { 0.0 }
     }
 
-    /// Expected rays of a side.
-    pub fn expected(&self, side: usize) -> f64 {
-        self.weight(side) * self.per_weight
+    /// Expected rays of a cell.
+    pub fn expected(&self, cell: usize) -> f64 {
+        self.weight(cell) * self.per_weight
     }
 
     pub fn rays(&self) -> u64 {
@@ -172,9 +172,9 @@ impl<'a> Salvo<'a> {
     }
 }
 
-/// A side within a batch.
+/// A cell within a batch.
 struct Shooter {
-    side: usize,
+    cell: usize,
     sequence: Sequence,
     rays: u32,
     /// Rays per m2 of the exposed part.
@@ -194,46 +194,39 @@ struct Gun {
 
 impl Gun {
     /// Makes a range of the salvo's rays.
-    fn load(
-        &mut self,
-        salvo: &Salvo,
-        context: &Context,
-        replicate: u32,
-        stream: u32,
-        range: std::ops::Range<u64>,
-    ) {
+    fn load(&mut self, salvo: &Salvo, context: &Context, replicate: u32, stream: u32, range: std::ops::Range<u64>) {
         self.shooters.clear();
         self.units.clear();
-        let mut side = salvo.offsets.partition_point(|&o| o <= range.start) - 1;
+        let mut cell = salvo.offsets.partition_point(|&o| o <= range.start) - 1;
         let mut ray = range.start;
         while ray < range.end {
-            let (start, end) = (salvo.offsets[side], salvo.offsets[side + 1]);
+            let (start, end) = (salvo.offsets[cell], salvo.offsets[cell + 1]);
             if start < end {
                 let tag = self.shooters.len() as u32;
-                self.enlist(salvo, context, replicate, stream, side);
-                let frame = context.enclosure.frame(side);
+                self.enlist(salvo, context, replicate, stream, cell);
+                let frame = context.cells.frame(cell);
                 for index in ray - start..end.min(range.end) - start {
                     let [u, v, s, t] = self.shooters[tag as usize].sequence.point(index as u32);
-                    let origin = context.enclosure.point_off(side, s, t);
-                    self.batch.push(context.enclosure.ray(origin, cosine_hemisphere(&frame, u, v)), tag);
+                    let origin = context.cells.point_off(cell, s, t);
+                    self.batch.push(context.cells.enclosure.ray(origin, cosine_hemisphere(&frame, u, v)), tag);
                 }
                 ray = end.min(range.end);
             }
-            side += 1;
+            cell += 1;
         }
     }
 
-    fn enlist(&mut self, salvo: &Salvo, context: &Context, replicate: u32, stream: u32, side: usize) {
-        let expected = salvo.expected(side);
-        let area = context.enclosure.area(side) * f64::from(context.exposure[side]);
+    fn enlist(&mut self, salvo: &Salvo, context: &Context, replicate: u32, stream: u32, cell: usize) {
+        let expected = salvo.expected(cell);
+        let area = context.cells.area(cell) * f64::from(context.exposure[cell]);
         self.shooters.push(Shooter {
-            side,
-            sequence: Sequence::new(context.seed, side as u32, replicate, stream),
-            rays: (salvo.offsets[side + 1] - salvo.offsets[side]) as u32,
+            cell,
+            sequence: Sequence::new(context.seed, cell as u32, replicate, stream),
+            rays: (salvo.offsets[cell + 1] - salvo.offsets[cell]) as u32,
             density: if area > 0.0 { (expected / area) as f32 } else { 0.0 },
         });
         for b in 0..salvo.bands {
-            let power = salvo.power[side * salvo.bands + b] / expected * salvo.scale[b];
+            let power = salvo.power[cell * salvo.bands + b] / expected * salvo.scale[b];
             self.units.push(if power > 0.0 { (power / salvo.unit(b)).round() as u64 } else { 0 });
         }
     }
@@ -254,19 +247,19 @@ impl Gun {
             match landing {
                 Landing::Escaped => lost[..bands].iter_mut().zip(carried).for_each(|(l, c)| *l += c),
                 Landing::Back => lost[bands..].iter_mut().zip(carried).for_each(|(l, c)| *l += c),
-                Landing::Side(side) => {
-                    let first = side as usize * bands;
+                Landing::Side(cell) => {
+                    let first = cell as usize * bands;
                     carried.iter().enumerate().for_each(|(b, &c)| arrived.add(first + b, c));
                     if let Some(sharing) = sharing {
-                        let share = sharing.share(shooters[tag as usize].density, side as usize);
+                        let share = sharing.share(shooters[tag as usize].density, cell as usize);
                         let part = |c: u64| (c as f64 * share) as u64;
                         carried.iter().enumerate().for_each(|(b, &c)| sharing.counts.add(first + b, part(c)));
                     }
                 }
             }
         };
-        batch.trace(context.enclosure, |tag, ray, landing| {
-            let exposed = context.exposure[shooters[tag as usize].side] == 1.0;
+        batch.trace(context.cells, |tag, ray, landing| {
+            let exposed = context.exposure[shooters[tag as usize].cell] == 1.0;
             if landing == Landing::Back && !exposed {
                 doubtful.push((tag, *ray));
             } else {
@@ -288,20 +281,21 @@ impl Sharing<'_> {
     }
 }
 
-/// Where a ray lands that ended on a back: as it did, unless it started in a solid; then where another one of the side
+/// Where a ray lands that ended on a back: as it did, unless it started in a solid; then where another one of the cell
 /// does.
 fn from_outside(context: &Context, shooter: &Shooter, ray: &Ray, number: u32) -> Landing {
-    let enclosure = context.enclosure;
-    if !is_buried(enclosure, shooter.side, ray) {
+    let (cells, enclosure) = (context.cells, context.cells.enclosure);
+    let buried = |ray: &Ray| is_buried(enclosure, cells.side_of(shooter.cell), ray);
+    if !buried(ray) {
         return Landing::Back;
     }
-    let frame = enclosure.frame(shooter.side);
+    let frame = cells.frame(shooter.cell);
     for attempt in 0..TRIES {
         let index = shooter.rays.wrapping_add(number * TRIES + attempt);
         let [u, v, s, t] = shooter.sequence.point(index);
-        let ray = enclosure.ray(enclosure.point_off(shooter.side, s, t), cosine_hemisphere(&frame, u, v));
-        let landing = enclosure.landing(ray.direction, &enclosure.bvh().closest_hit(&ray));
-        if landing != Landing::Back || !is_buried(enclosure, shooter.side, &ray) {
+        let ray = enclosure.ray(cells.point_off(shooter.cell, s, t), cosine_hemisphere(&frame, u, v));
+        let landing = cells.landing(&ray, &enclosure.bvh().closest_hit(&ray));
+        if landing != Landing::Back || !buried(&ray) {
             return landing;
         }
     }
@@ -318,11 +312,11 @@ mod tests {
         let salvo = Salvo::new(&power, 1, 500, 0.3);
         assert!((salvo.rays() as i64 - 500).abs() <= 1);
         let mut shot = 0.0;
-        for side in 0..1000 {
-            let rays = salvo.offsets[side + 1] - salvo.offsets[side];
-            assert!((rays as f64 - salvo.expected(side)).abs() <= 1.0);
+        for cell in 0..1000 {
+            let rays = salvo.offsets[cell + 1] - salvo.offsets[cell];
+            assert!((rays as f64 - salvo.expected(cell)).abs() <= 1.0);
             if rays > 0 {
-                shot += rays as f64 * power[side] / salvo.expected(side) * salvo.scale[0];
+                shot += rays as f64 * power[cell] / salvo.expected(cell) * salvo.scale[0];
             }
         }
         assert!((shot - power.iter().sum::<f64>()).abs() < 1e-9 * shot);
@@ -330,7 +324,7 @@ mod tests {
 
     #[test]
     fn a_faint_band_has_rays_too() {
-        // One side has all of a band of a millionth of the power.
+        // One cell has all of a band of a millionth of the power.
         let power = [1.0, 0.0, 0.0, 1e-6];
         let salvo = Salvo::new(&power, 2, 1000, 0.5);
         assert!(salvo.expected(1) > 100.0, "{}", salvo.expected(1));

@@ -1,7 +1,8 @@
 //! What shooting remembers, and one more round of it.
 
 use super::bounces::{self, Bounced, Effort};
-use super::gather::{Round, Seen, of_level};
+use super::cells::Cells;
+use super::gather::{Round, Seen, Sums, of_level};
 use super::salvo::{Counts, Salvo};
 use super::{Context, FIRST, REPLICATES, Replicate, SHOT_PER_GATHERED, Shares, WORTH, more};
 use crate::lighting::Lighting;
@@ -20,11 +21,11 @@ pub struct Shooting {
     /// What it was shot in: of another scene it means nothing.
     pub(super) fingerprint: u64,
     pub(super) rounds: u32,
-    /// Rays per side of level 0 and replicate.
+    /// Rays per cell of level 0 and replicate.
     pub(super) rays: u32,
-    /// Light samples per side and replicate.
+    /// Light samples per cell and replicate.
     pub(super) light_samples: u32,
-    /// Rays and light samples per side that the next round goes on to.
+    /// Rays and light samples per cell that the next round goes on to.
     pub(super) next: (u32, u32),
     pub(super) rays_shot: u64,
     pub(super) rays_gathered: u64,
@@ -32,9 +33,11 @@ pub struct Shooting {
     pub(super) bounces: u32,
     /// Power that the last bounces left unshot, relative to the first.
     pub(super) left: f64,
-    /// The exposed share of each side.
+    /// The exposed share of each cell.
     pub(super) exposure: Vec<f32>,
-    /// Rays that gathered and landed, per side.
+    /// What coarser cells would change, times rays, by each half of the replicates, per cell.
+    pub(super) changed: [Vec<f32>; 2],
+    /// Rays that gathered and landed, per cell.
     pub(super) landed: Vec<u32>,
     pub(super) replicates: Vec<Replicate>,
 }
@@ -51,24 +54,24 @@ const EMITTERS: u32 = 5;
 const EMITTER_RAYS: (u64, u64) = (1 << 12, 1 << 20);
 
 /// Bytes of a state and of what a round needs beside it.
-pub(super) fn memory(sides: usize, bands: usize, luminaires: &Luminaires) -> u64 {
+pub(super) fn memory(cells: usize, bands: usize, luminaires: &Luminaires) -> u64 {
     let emitters = luminaires.list.iter().any(|l| matches!(l, Luminaire::Side(_)));
-    let kept = REPLICATES * bands * size_of::<f32>() * if emitters { 4 } else { 3 } + 2 * size_of::<u32>();
+    let kept = REPLICATES * bands * size_of::<f32>() * if emitters { 4 } else { 3 } + 4 * size_of::<u32>();
     // Power, irradiance, shared irradiance, two counts; what is seen; offsets, levels and densities.
-    let round = bands * (5 * size_of::<f64>() + 2 * size_of::<f32>()) + 2 * size_of::<f32>() + size_of::<u64>() + 1;
-    (sides * (kept + round)) as u64
+    let round = bands * (5 * size_of::<f64>() + 2 * size_of::<f32>()) + 4 * size_of::<f32>() + size_of::<u64>() + 1;
+    (cells * (kept + round)) as u64
 }
 
 impl Shooting {
     pub(super) fn new(
-        enclosure: &Enclosure,
+        cells: &Cells,
         lighting: &Lighting,
         luminaires: &Luminaires,
         seed: u64,
         control: &Control,
     ) -> Result<Self, Cancelled> {
-        let (sides, bands) = (enclosure.sides(), lighting.bands);
-        let size = sides * bands;
+        let (count, bands) = (cells.count(), lighting.bands);
+        let size = count * bands;
         let emitters = luminaires.list.len() > lighting.lamps.len();
         let replicate = Replicate {
             from_lights: vec![0.0; size],
@@ -81,7 +84,7 @@ impl Shooting {
         Ok(Self {
             seed,
             bands,
-            fingerprint: fingerprint(enclosure, lighting),
+            fingerprint: fingerprint(cells.enclosure, lighting),
             rounds: 0,
             rays: 0,
             light_samples: 0,
@@ -91,8 +94,9 @@ impl Shooting {
             rays_escaped: 0,
             bounces: 0,
             left: 0.0,
-            exposure: super::exposure::exposure(enclosure, seed, control)?,
-            landed: vec![0; sides],
+            exposure: super::exposure::exposure(cells, seed, control)?,
+            changed: [vec![0.0; count], vec![0.0; count]],
+            landed: vec![0; count],
             replicates: vec![replicate; REPLICATES],
         })
     }
@@ -112,24 +116,25 @@ impl Shooting {
     /// One more round by every replicate.
     pub(super) fn round(
         &mut self,
-        enclosure: &Enclosure,
+        cells: &Cells,
         lighting: &Lighting,
         luminaires: &Luminaires,
         control: &Control,
     ) -> Result<(), Cancelled> {
-        let levels = levels(enclosure);
+        let levels = levels(cells);
         self.announce(&levels, control);
-        let mut landed = std::mem::take(&mut self.landed);
+        let (mut landed, mut changed) = (std::mem::take(&mut self.landed), std::mem::take(&mut self.changed));
         for number in 0..REPLICATES {
             let mut replicate = std::mem::take(&mut self.replicates[number]);
             let exposure = std::mem::take(&mut self.exposure);
-            let context = Context { enclosure, lighting, exposure: &exposure, seed: self.seed, control };
+            let context = Context { cells, lighting, exposure: &exposure, seed: self.seed, control };
             let task = Task { context, luminaires, levels: &levels, number: number as u32 };
-            task.round(self, &mut replicate, &mut landed)?;
+            let half = number * changed.len() / REPLICATES;
+            task.round(self, &mut replicate, &mut changed[half], &mut landed)?;
             self.replicates[number] = replicate;
             self.exposure = exposure;
         }
-        self.landed = landed;
+        (self.landed, self.changed) = (landed, changed);
         (self.rays, self.light_samples) = self.next;
         self.rounds += 1;
         Ok(())
@@ -144,7 +149,7 @@ impl Shooting {
         control.expect(REPLICATES as u64 * (gathered + shot + tests));
     }
 
-    /// Light samples of all sides and replicates.
+    /// Light samples of all cells and replicates.
     pub(super) fn shadow_rays(&self) -> u64 {
         (self.exposure.len() * REPLICATES) as u64 * u64::from(self.light_samples)
     }
@@ -152,7 +157,7 @@ impl Shooting {
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
         let of = |r: &Replicate| r.from_lights.len() + r.from_emitters.len() + r.gathered.len() + r.bounced.len();
-        4 * (self.exposure.len() + self.landed.len() + self.replicates.iter().map(of).sum::<usize>())
+        4 * (4 * self.exposure.len() + self.replicates.iter().map(of).sum::<usize>())
     }
 
     /// `Err` unless it was shot in this scene.
@@ -174,7 +179,13 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    fn round(&self, state: &mut Shooting, replicate: &mut Replicate, landed: &mut [u32]) -> Result<(), Cancelled> {
+    fn round(
+        &self,
+        state: &mut Shooting,
+        replicate: &mut Replicate,
+        changed: &mut [f32],
+        landed: &mut [u32],
+    ) -> Result<(), Cancelled> {
         let (rays, lights) = state.next;
         if lights > state.light_samples {
             let range = (state.light_samples, lights - state.light_samples);
@@ -182,7 +193,7 @@ impl Task<'_> {
             self.shoot_from_emitters(state, replicate)?;
         }
         if rays > state.rays {
-            self.indirect(state, lights, replicate, landed)?;
+            self.indirect(state, lights, replicate, changed, landed)?;
         }
         Ok(())
     }
@@ -194,13 +205,14 @@ impl Task<'_> {
         }
         let bands = self.context.lighting.bands;
         let power = self.emitter_power();
-        let sides = (power.len() / bands) as u64;
-        let rays = (sides * u64::from(state.next.1 - state.light_samples) / 4).clamp(EMITTER_RAYS.0, EMITTER_RAYS.1);
+        let cells = (power.len() / bands) as u64;
+        let rays = (cells * u64::from(state.next.1 - state.light_samples) / 4).clamp(EMITTER_RAYS.0, EMITTER_RAYS.1);
         let stream = EMITTERS + (state.rounds << 4);
         let [offset, ..] = Sequence::new(state.seed, u32::MAX, self.number, stream).point(0);
         let salvo = Salvo::new(&power, bands, rays, offset);
         let losses = salvo.shoot(&self.context, self.number, stream, &Counts::new(power.len()), None)?;
-        let first: Vec<f64> = (0..bands).map(|b| (0..power.len() / bands).map(|s| power[s * bands + b]).sum()).collect();
+        let first: Vec<f64> =
+            (0..bands).map(|b| (0..power.len() / bands).map(|s| power[s * bands + b]).sum()).collect();
         let mut shares = Shares::new(bands);
         shares.add(&[losses], &first);
         replicate.emitters.add_weighted(&shares, salvo.rays() as f64);
@@ -210,15 +222,17 @@ impl Task<'_> {
 
     /// Power of the exposed part of emitters that are sampled by area, W.
     fn emitter_power(&self) -> Vec<f64> {
-        let (enclosure, lighting) = (self.context.enclosure, self.context.lighting);
-        let mut power = vec![0.0; enclosure.sides() * lighting.bands];
+        let (cells, lighting) = (self.context.cells, self.context.lighting);
+        let mut power = vec![0.0; cells.count() * lighting.bands];
+        let each = cells.per_side();
         for luminaire in &self.luminaires.list {
             if let Luminaire::Side(side) = *luminaire {
-                let side = side as usize;
-                let area = enclosure.area(side) * f64::from(self.context.exposure[side]);
-                let emission = lighting.emission_of(enclosure.patch_of(side));
-                let out = &mut power[side * lighting.bands..][..lighting.bands];
-                out.iter_mut().zip(emission).for_each(|(p, e)| *p = area * e);
+                for cell in side as usize * each..(side as usize + 1) * each {
+                    let area = cells.area(cell) * f64::from(self.context.exposure[cell]);
+                    let emission = lighting.emission_of(cells.patch_of(cell));
+                    let out = &mut power[cell * lighting.bands..][..lighting.bands];
+                    out.iter_mut().zip(emission).for_each(|(p, e)| *p = area * e);
+                }
             }
         }
         power
@@ -229,18 +243,19 @@ impl Task<'_> {
         state: &mut Shooting,
         lights: u32,
         replicate: &mut Replicate,
+        changed: &mut [f32],
         landed: &mut [u32],
     ) -> Result<(), Cancelled> {
         let context = &self.context;
-        let (enclosure, bands) = (context.enclosure, context.lighting.bands);
-        let (sides, rays) = (enclosure.sides(), state.next.0);
-        let new = |side: usize| of_level(rays, self.levels[side]) - of_level(state.rays, self.levels[side]);
-        let density: Vec<f32> = (0..sides).map(|s| (f64::from(new(s)) / enclosure.area(s)) as f32).collect();
-        let gathered: u64 = (0..sides).map(|s| u64::from(new(s))).sum();
+        let (cells, bands) = (context.cells, context.lighting.bands);
+        let (count, rays) = (cells.count(), state.next.0);
+        let new = |cell: usize| of_level(rays, self.levels[cell]) - of_level(state.rays, self.levels[cell]);
+        let density: Vec<f32> = (0..count).map(|c| (f64::from(new(c)) / cells.area(c)) as f32).collect();
+        let gathered: u64 = (0..count).map(|c| u64::from(new(c))).sum();
         let direct = super::answer::direct(replicate, context, self.luminaires, lights);
         let power = direct.first_power(context, self.luminaires);
         drop(direct);
-        let mut seen = Seen::new(bands, sides);
+        let mut seen = Seen::new(bands, count);
         let effort = Effort {
             replicate: self.number,
             round: state.rounds,
@@ -248,9 +263,9 @@ impl Task<'_> {
             later: later(context),
         };
         let bounced = bounces::shoot(context, effort, power, &density, |salvo| {
-            for (side, (_, _, shot)) in seen.of_mut().enumerate() {
-                let area = enclosure.area(side) * f64::from(context.exposure[side]);
-                *shot = if area > 0.0 { (salvo.expected(side) / area) as f32 } else { 0.0 };
+            for (cell, (_, _, shot)) in seen.of_mut().enumerate() {
+                let area = cells.area(cell) * f64::from(context.exposure[cell]);
+                *shot = if area > 0.0 { (salvo.expected(cell) / area) as f32 } else { 0.0 };
             }
         })?;
         let weight = f64::from(rays - state.rays);
@@ -263,7 +278,8 @@ impl Task<'_> {
         let Bounced { irradiance, shared, .. } = bounced;
         drop(irradiance);
         replicate.gathered.iter_mut().zip(&shared).for_each(|(g, s)| *g += (weight * s) as f32);
-        round.gather(context, &seen, weight, &mut replicate.gathered, landed)?;
+        let sums = Sums { gathered: &mut replicate.gathered, changed, landed };
+        round.gather(context, &seen, weight, sums)?;
         state.rays_gathered += gathered;
         state.rays_escaped += escaped.into_inner();
         Ok(())
@@ -284,17 +300,18 @@ impl Task<'_> {
         let (before, now) = (f64::from(state.rays), f64::from(state.next.0));
         let direct = super::answer::direct(replicate, context, self.luminaires, state.next.1);
         let emission = direct.emission(context, self.luminaires);
-        for (side, (first, rest, _)) in seen.of_mut().enumerate() {
-            let exposure = f64::from(context.exposure[side]);
+        for (cell, (first, rest, _)) in seen.of_mut().enumerate() {
+            let exposure = f64::from(context.exposure[cell]);
             let per_exposed = if exposure > 0.0 { 1.0 / exposure } else { 0.0 };
-            let reflectance = context.lighting.reflectance_of(context.enclosure.patch_of(side));
+            let reflectance = context.lighting.reflectance_of(context.cells.patch_of(cell));
             for b in 0..bands {
-                let k = side * bands + b;
+                let k = cell * bands + b;
                 let indirect = indirect(f64::from(replicate.bounced[k]), now, f64::from(replicate.gathered[k]), before);
-                first[b] = (emission(side, b) + reflectance[b] * direct.irradiance(k) * per_exposed) as f32;
+                first[b] = (emission(cell, b) + reflectance[b] * direct.irradiance(k) * per_exposed) as f32;
                 rest[b] = (reflectance[b] * indirect * per_exposed) as f32;
             }
         }
+        seen.compare(context.cells);
     }
 }
 
@@ -306,7 +323,7 @@ fn indirect(bounced: f64, shot: f64, gathered: f64, before: f64) -> f64 {
 
 /// Rays per power of later bounces relative to the first: as many rays in all, where much is reflected.
 fn later(context: &Context) -> f64 {
-    let (enclosure, lighting) = (context.enclosure, context.lighting);
+    let (enclosure, lighting) = (context.cells.enclosure, context.lighting);
     let (mut reflected, mut area) = (0.0, 0.0);
     for side in 0..enclosure.sides() {
         let highest = lighting.reflectance_of(enclosure.patch_of(side)).iter().fold(0.0, |a: f64, &b| a.max(b));
@@ -316,16 +333,16 @@ fn later(context: &Context) -> f64 {
     ((area - reflected) / reflected.max(f64::MIN_POSITIVE)).min(1.0)
 }
 
-/// How many more rays than average a side deserves, as a power of two: an error counts by area, so most is gained by
+/// How many more rays than average a cell deserves, as a power of two: an error counts by area, so most is gained by
 /// rays in proportion to its square root.
-pub(super) fn levels(enclosure: &Enclosure) -> Vec<i8> {
-    let sides = enclosure.sides();
-    let mean = (0..sides).map(|s| enclosure.area(s).sqrt()).sum::<f64>() / sides.max(1) as f64;
-    let level = |side| {
-        let relative = enclosure.area(side).sqrt() / mean;
+pub(super) fn levels(cells: &Cells) -> Vec<i8> {
+    let count = cells.count();
+    let mean = (0..count).map(|c| cells.area(c).sqrt()).sum::<f64>() / count.max(1) as f64;
+    let level = |cell| {
+        let relative = cells.area(cell).sqrt() / mean;
         if relative > 0.0 { relative.log2().round().clamp(-2.0, 6.0) as i8 } else { -2 }
     };
-    (0..sides).map(level).collect()
+    (0..count).map(level).collect()
 }
 
 /// A number that other geometry or lighting would not have (Fowler, Noll and Vo).
@@ -335,13 +352,16 @@ fn fingerprint(enclosure: &Enclosure, lighting: &Lighting) -> u64 {
     let lamps = lighting.lamps.iter().flat_map(|lamp| {
         let (a, b, [c, d]) = match lamp.luminaire {
             Luminaire::Point { position } => (position, position, [0.0; 2]),
-            Luminaire::Spot { position, direction, cos_inner, cos_outer } => (position, direction, [cos_inner, cos_outer]),
+            Luminaire::Spot { position, direction, cos_inner, cos_outer } => {
+                (position, direction, [cos_inner, cos_outer])
+            }
             Luminaire::Directional { direction } => (direction, -direction, [0.0; 2]),
             Luminaire::Side(side) => (glam::DVec3::splat(f64::from(side)), glam::DVec3::ZERO, [0.0; 2]),
         };
         [a.to_array(), b.to_array()].concat().into_iter().chain([c, d]).chain(lamp.strength.clone()).collect::<Vec<_>>()
     });
-    let numbers = corners.chain(lighting.reflectance.iter().copied()).chain(lighting.emission.iter().copied()).chain(lamps);
+    let numbers =
+        corners.chain(lighting.reflectance.iter().copied()).chain(lighting.emission.iter().copied()).chain(lamps);
     let words = numbers.map(f64::to_bits).chain(patches.two_sided.iter().map(|&b| u64::from(b)));
     words.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(5))
 }
