@@ -55,9 +55,10 @@ pub(crate) const REPLICATES: usize = 4;
 /// Rays per side and replicate, and light samples, of the first round.
 const FIRST: u32 = 4;
 
-/// More emitting sides than this are shot from instead of sampled by area: choosing among them would cost every side
-/// more than it saves.
-const MOST_EMITTERS: usize = 256;
+/// Emitting sides are sampled by area while there are few enough: choosing among them costs every side a look at each.
+/// More are shot from instead.
+const MOST_LOOKS: usize = 30_000_000;
+const FEW_EMITTERS: usize = 64;
 
 /// A part of the error that is less than this share of the whole is not worth samples.
 const WORTH: f64 = 0.2;
@@ -242,7 +243,7 @@ fn limit(
 fn luminaires(enclosure: &Enclosure, lighting: &Lighting) -> Luminaires {
     let mut luminaires = lighting.luminaires(enclosure);
     let emitters = luminaires.list.len() - lighting.lamps.len();
-    if emitters > MOST_EMITTERS {
+    if emitters > FEW_EMITTERS.max(MOST_LOOKS / enclosure.sides().max(1)) {
         luminaires.list.drain(..emitters);
         luminaires.strength.drain(..emitters);
     }
