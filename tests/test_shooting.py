@@ -125,13 +125,13 @@ def test_relit_is_shot_afresh(rough: ShootingSolution) -> None:
 
 
 def test_progress_is_told_and_may_stop_it(patches: radiosity.Patches) -> None:
-    class Enough(Exception):
+    class EnoughError(Exception):
         pass
 
     def stop(done: int, total: int) -> None:
-        raise Enough
+        raise EnoughError
 
-    with pytest.raises(Enough):
+    with pytest.raises(EnoughError):
         shot(patches, 1e-4, progress=stop)
 
 

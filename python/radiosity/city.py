@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from radiosity.scene import Camera, DirectionalLight, Scene, Surface
+from radiosity.scene import Camera, DirectionalLight, Light, Scene, Surface
 
 Floats = npt.NDArray[np.float64]
 
@@ -87,7 +87,7 @@ def city(
     for k, (name, reflectance) in enumerate(WALLS.items()):
         if np.any(paint == k):
             surfaces.append(_surface(name, reflectance, walls[paint == k].reshape(-1, 4, 3)))
-    lights = [DirectionalLight(_toward(elevation, azimuth), SUNLIGHT, "sun"), *_sky(sky)]
+    lights: list[Light] = [DirectionalLight(_toward(elevation, azimuth), SUNLIGHT, "sun"), *_sky(sky)]
     return Scene(surfaces, lights=lights, cameras=_cameras(blocks, tallest), name="city", bands=["R", "G", "B"])
 
 
@@ -157,12 +157,12 @@ def _toward(elevation: float, azimuth: float) -> tuple[float, float, float]:
 
 
 def _sky(count: int) -> list[DirectionalLight]:
-    """Lights spread over the hemisphere by the golden angle, each for an equal part of the sky's light on the ground."""
+    """Lights over the hemisphere by the golden angle; each brings level ground an equal part of the sky's light."""
     k = np.arange(count)
     sine = np.sqrt((k + 0.5) / max(count, 1))  # even in the square: each brings the ground as much
     angle = k * math.pi * (3 - math.sqrt(5))
     cosine = np.sqrt(1 - sine**2)
-    lights = []
+    lights: list[DirectionalLight] = []
     for s, c, a in zip(sine, cosine, angle, strict=True):
         direction = (float(-s * math.cos(a)), float(-c), float(-s * math.sin(a)))
         lights.append(DirectionalLight(direction, [v / count / float(c) for v in SKYLIGHT], f"sky {len(lights)}"))

@@ -32,6 +32,7 @@ class Effort:
     solver: str = "conjugate_gradient"
     threads: int | None = None
     seed: int = 0
+    time_limit: float | None = None
 
 
 def solve(
@@ -44,6 +45,7 @@ def solve(
     max_patches: options.MaxPatches = None,
     max_rays: options.MaxRays = None,
     memory: options.Memory = None,
+    time_limit: options.TimeLimit = None,
     unit: options.Unit = None,
     two_sided: options.TwoSided = None,
     solver: options.Solver = "conjugate_gradient",
@@ -56,7 +58,7 @@ def solve(
     targets = outputs or []
     output.check_outputs(targets, SUFFIXES, file)
     meshing = source.Meshing(max_edge, patches, as_is, max_patches)
-    effort = Effort(accuracy, max_rays, memory, solver, threads, seed)
+    effort = Effort(accuracy, max_rays, memory, solver, threads, seed, time_limit)
     source.use_threads(threads)
     scene = source.open_unlit(file, unit=unit, two_sided=two_sided)
     solution = solve_patches(file, source.cut(file, scene, meshing), effort, quiet=quiet)
@@ -90,6 +92,7 @@ def solve_patches(file: str, patches: Patches, effort: Effort, *, quiet: bool) -
             accuracy=effort.accuracy,
             solver=effort.solver,  # type: ignore[arg-type]  # the engine says which there are
             memory_limit=memory,
+            time_limit=effort.time_limit,
             threads=effort.threads,
             seed=effort.seed,
             progress=bar,

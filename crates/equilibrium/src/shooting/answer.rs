@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::{Context, REPLICATES, Replicate, Shooting, ShotSolution};
 use crate::answer::ratio;
 use crate::energy::Energy;
-use crate::lighting::Lighting;
+use crate::lighting::{Lighting, mean};
 use crate::report::{Limit, Report};
 use radiosity_exchange::luminaires::Luminaires;
 use radiosity_exchange::{Enclosure, Luminaire};
@@ -267,9 +267,16 @@ impl Answer {
                     for b in 0..bands {
                         let both: [_; REPLICATES] = std::array::from_fn(|r| scaled[r].irradiance(cells, side, b));
                         let (mean, variance) = moments(both.map(|(d, i)| d + i));
-                        (h[b], e[b]) = (mean, (variance + by_cells.max(0.0)).sqrt());
+                        (h[b], e[b]) = (mean, variance);
                         let (direct, indirect) = (moments(both.map(|b| b.0)).1, moments(both.map(|b| b.1)).1);
-                        sums.add(weight, [1.0, mean, variance, by_cells, direct, indirect]);
+                        sums.add(weight, [1.0, mean, variance, 0.0, direct, indirect]);
+                    }
+                    // Known of the mean over bands alone: each band has its part of it.
+                    let level = mean(h);
+                    for (h, e) in h.iter().zip(e) {
+                        let by_cells = by_cells * ratio(*h, level).powi(2);
+                        *e = (*e + by_cells.max(0.0)).sqrt();
+                        sums.add(weight, [0.0, 0.0, 0.0, by_cells, 0.0, 0.0]);
                     }
                 }
                 sums
