@@ -27,7 +27,7 @@ def crater(
     craters: int = 60,
     roughness: float = 1.0,
     size: float = 600.0,
-    elevation: float = 12.0,
+    elevation: float = 18.0,
     azimuth: float = 0.0,
     reflectance: npt.ArrayLike = 0.12,
     sunlight: npt.ArrayLike = SUNLIGHT,
@@ -64,7 +64,7 @@ def crater(
     vertices, faces = _mesh(height, size)
     up, round_ = math.radians(elevation), math.radians(azimuth)
     toward = (-math.cos(up) * math.cos(round_), -math.sin(up), -math.cos(up) * math.sin(round_))
-    eye = (-0.25 * size, 0.42 * size, -0.3 * size)
+    eye = (-0.1 * size, 0.45 * size, -0.12 * size)
     return Scene(
         [Surface(vertices, faces, reflectance, 0.0, "ground")],
         lights=[DirectionalLight(toward, sunlight, "sun")],
