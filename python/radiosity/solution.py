@@ -140,8 +140,8 @@ def solve(
         transport: form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by patch, instead of
             measuring the exchange to the accuracy.
         solver: how the equations are solved. "shooting" takes no form factors at all: power is shot as rays until
-            little is left, and memory is a few hundred bytes a patch however many rays; for scenes too large for
-            anything else. Its solution can be refined, see :class:`radiosity.shooting.ShootingSolution`.
+            little is left, and memory is about 400 bytes a patch (three bands) however many rays; for scenes too
+            large for anything else. Its solution can be refined, see :class:`radiosity.shooting.ShootingSolution`.
         closure: "balanced" scales the rows of the exchange to their known sums within the accuracy, "exact" to 1e-9.
         max_rays: most rays per patch.
         memory_limit: bytes that samples and operator may take (default: four fifths of what is available).

@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 use radiosity_geometry::bvh::{Bvh, BvhParams, Hit, Ray};
 use radiosity_geometry::sampling::Frame;
 use radiosity_geometry::{Chart, Patches};
+use std::sync::Arc;
 
 /// No side: what stands where a patch has no back side.
 const NO_SIDE: u32 = u32::MAX;
@@ -35,7 +36,7 @@ pub enum Landing {
 
 /// Patches, their charts and the hierarchy that rays traverse.
 pub struct Enclosure {
-    patches: Patches,
+    patches: Arc<Patches>,
     charts: Vec<Chart>,
     /// Tangent frames of the front sides.
     frames: Vec<Frame>,
@@ -59,7 +60,8 @@ const PLANE_ROUNDING: f64 = 3.0 * f32::EPSILON as f64;
 
 impl Enclosure {
     /// Builds the hierarchy over all patches and obstructions. Patches without area are never hit and send nothing.
-    pub fn new(patches: Patches) -> Self {
+    pub fn new(patches: impl Into<Arc<Patches>>) -> Self {
+        let patches: Arc<Patches> = patches.into();
         let (low, high) = bounds(&patches);
         let middle = 0.5 * (low + high);
         let single = |p: DVec3| (p - middle).as_vec3();
