@@ -71,7 +71,7 @@ impl<'a> Direct<'a> {
         Self { replicate, bands, per_sample, emitters }
     }
 
-    /// Of entry `k` of sides x bands.
+    /// Of entry `k` of cells x bands.
     #[inline]
     pub fn irradiance(&self, k: usize) -> f64 {
         let lights = f64::from(self.replicate.from_lights[k]) * self.per_sample;
@@ -93,7 +93,7 @@ impl<'a> Direct<'a> {
         }
     }
 
-    /// What sides send before the first bounce, W, sides x bands: emission that is not sampled by area, and what they
+    /// What cells send before the first bounce, W, cells x bands: emission that is not sampled by area, and what they
     /// reflect of direct light.
     pub fn first_power(&self, context: &Context, luminaires: &Luminaires) -> Vec<f64> {
         let emission = self.emission(context, luminaires);

@@ -63,7 +63,8 @@ const FEW_EMITTERS: usize = 64;
 /// A part of the error that is less than this share of the whole is not worth samples.
 const WORTH: f64 = 0.2;
 
-/// Rays of the first bounce for every ray that gathers.
+/// Rays of the first bounce for every ray that gathers. Between a quarter and two, time times squared error differs by
+/// less than a fifth, on a room and on a city; without gathering or without sharing it is worse by up to a half or more.
 const SHOT_PER_GATHERED: f64 = 1.0;
 
 /// What is asked of shooting.
