@@ -83,6 +83,7 @@ _MODULES = {
     "scene",
     "scenes",
     "snapshot",
+    "shooting",
     "solution",
     "surface_factors",
     "teaching",

@@ -133,6 +133,33 @@ class ExchangeFile:
     def description(self) -> str: ...
     def factors(self, enclosure: Enclosure, memory_limit: int) -> Factors: ...
 
+@final
+class ShootingState:
+    def __new__(
+        cls,
+        counts: npt.NDArray[np.uint64],
+        shares: _Floats,
+        sums: npt.NDArray[np.float32],
+        landed: _Indices,
+    ) -> ShootingState: ...
+    def parts(self) -> tuple[npt.NDArray[np.uint64], _Floats, npt.NDArray[np.float32], _Indices]: ...
+    @property
+    def memory_bytes(self) -> int: ...
+
+@final
+class ShotSolution:
+    @property
+    def irradiance(self) -> _Floats: ...
+    @property
+    def radiosity(self) -> _Floats: ...
+    @property
+    def error(self) -> _Floats: ...
+    def backs(self) -> list[_Floats]: ...
+    def report(self) -> dict[str, Any]: ...
+    @property
+    def state(self) -> ShootingState: ...
+
+@final
 class Factors:
     def __len__(self) -> int: ...
     @property
@@ -207,6 +234,20 @@ def solve_on_demand(
     progress: _Progress | None = None,
     on_iterate: _OnIterate | None = None,
 ) -> Solution: ...
+def shoot(
+    enclosure: Enclosure,
+    reflectance: _Floats,
+    emission: _Floats,
+    lamps: list[LightTuple],
+    accuracy: float,
+    seed: int,
+    max_rays: int,
+    memory_limit: int,
+    time_limit: float,
+    start: ShootingState | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> ShotSolution: ...
 def form_factors(
     enclosure: Enclosure,
     method: str,

@@ -90,7 +90,10 @@ class FactorReport:
 
     def __str__(self) -> str:
         wanted = "" if self.tolerance is None else f" (asked for {self.tolerance:.1e})"
-        rows = [("method", self.method + (f" ({self.why})" if self.why else "")), ("estimated error", f"{self.estimated_error:.1e}{wanted}")]
+        rows = [
+            ("method", self.method + (f" ({self.why})" if self.why else "")),
+            ("estimated error", f"{self.estimated_error:.1e}{wanted}"),
+        ]
         if self.disagreement:
             rows.append(("ends disagree by", f"{self.disagreement:.1e}"))
         if self.samples:
@@ -100,7 +103,9 @@ class FactorReport:
                          f"for what is between, {self.pairs_hidden:,} hidden"))  # fmt: skip
             rows.append(("unoccluded by", f"{self.by_areas:,} area and {self.by_contour:,} contour integrals"))
         if self.links_in_full_view + self.links_partly_hidden:
-            rows.append(("blocks", f"{self.links_in_full_view:,} in full view, {self.links_partly_hidden:,} partly hidden"))
+            rows.append(
+                ("blocks", f"{self.links_in_full_view:,} in full view, {self.links_partly_hidden:,} partly hidden")
+            )
         if self.rays:
             rows.append(("rays", f"{self.rays:,}"))
         if self.unresolved:

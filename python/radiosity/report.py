@@ -9,6 +9,7 @@ _LIMITS = {
     "accuracy": "the accuracy asked for is reached",
     "max_rays": "the most rays per patch were spent: raise max_rays",
     "patch_size": "light varies too much within patches: use smaller ones",
+    "time": "the time was up: raise time_limit, or refine the solution",
     "memory": "more samples would not fit the memory limit: raise it",
     "samples": "the samples were given: solve the scene afresh for more",
     "solver": "the solver did not converge: the answer is not the equilibrium",

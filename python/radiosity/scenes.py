@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from radiosity import _native
+from radiosity.city import city
+from radiosity.crater import crater
 from radiosity.scene import Scene
 
 
@@ -66,6 +68,8 @@ def furnished_room(detail: int = 1) -> Scene:
 BUILTIN_SCENES: dict[str, Callable[[], Scene]] = {
     "cornell-box": cornell_box,
     "cornell-box-original": cornell_box_original,
+    "city": city,
+    "crater": crater,
     "furnished-room": furnished_room,
     "furnace": furnace,
     "two-plates": two_plates,

@@ -19,12 +19,14 @@ from radiosity.snapshot import OnIterate, handed_to
 
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int, int], object]
-Solver = Literal["conjugate_gradient", "jacobi", "gauss_seidel", "over_relaxation", "southwell", "overshooting"]
+Solver = Literal[
+    "conjugate_gradient", "jacobi", "gauss_seidel", "over_relaxation", "southwell", "overshooting", "shooting"
+]
 
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
 """The names of all solvers."""
 
-SHOOTING = ("southwell", "overshooting")
+PROGRESSIVE = ("southwell", "overshooting")
 """Solvers that need rows and no products, and so no matrix."""
 
 DEFAULT_PATCHES = 5000
@@ -46,7 +48,7 @@ class Solution:
     def __init__(
         self,
         patches: Patches,
-        native: _native.Solution,
+        native: _native.Solution | _native.ShotSolution,
         reflectance: Floats,
         emission: Floats,
         options: dict[str, Any],
@@ -61,7 +63,7 @@ class Solution:
             self._on_all_patches(values) for values in native.backs()
         )
         self.report = Report(**native.report(), seed=options["seed"], bands=list(patches.scene.bands))
-        self._native = native
+        self._native: Any = native
         self._options = options
 
     def __repr__(self) -> str:
@@ -134,6 +136,8 @@ def solve(
     closure: Literal["balanced", "exact"] = "balanced",
     max_rays: int = 1 << 18,
     memory_limit: int | None = None,
+    time_limit: float | None = None,
+    start: Solution | None = None,
     threads: int | None = None,
     seed: int = 0,
     progress: Progress | None = None,
@@ -151,7 +155,10 @@ def solve(
             longer steps. "southwell" is progressive refinement: the patch with most unshot power shoots, and most of
             the light is there after a few shots; "overshooting" shoots for what is still to come as well, and takes
             fewer shots where much is reflected. These two need no matrix: without ``transport`` each patch is drawn on
-            hemicubes when it shoots, as many as the accuracy takes, and only patches that shoot are.
+            hemicubes when it shoots, as many as the accuracy takes, and only patches that shoot are. "shooting" takes no
+            form factors at all: power is shot as rays until little is left, and memory is about 400 bytes a patch
+            (three bands) however many rays; for scenes too large for anything else. Its solution can be refined, see
+            :class:`radiosity.shooting.ShootingSolution`.
         max_iterations: most products, sweeps or shots; as many as it takes by default. Where they end a solve,
             ``report.converged`` is False and ``report.limited_by`` "solver".
         on_iterate: called with a :class:`Snapshot` before the first iteration and after each; the solve waits for it,
@@ -161,6 +168,8 @@ def solve(
         max_rays: most rays per patch.
         memory_limit: bytes that samples and operator may take (default: four fifths of what is available). With
             ``transport``, what solving takes beside the form factors.
+        time_limit: seconds after which "shooting" begins no further round.
+        start: a solution by "shooting" of the same patches to go on from.
         threads: default: all cores. The answer does not depend on it.
         seed: the same seed gives the same bytes.
         progress: called with (done, total) some twenty times a second.
@@ -172,6 +181,21 @@ def solve(
     """
     patches = scene if isinstance(scene, Patches) else scene.patches(count=DEFAULT_PATCHES)
     patches.scene.validate()
+    if solver == "shooting":
+        if max_iterations is not None or on_iterate is not None:
+            raise ValueError(
+                "shooting has rounds, not iterations: use max_rays or time_limit; refine shows it in steps"
+            )
+        from radiosity.shooting import shoot  # noqa: PLC0415
+
+        if transport is not None:
+            raise ValueError("shooting needs no form factors: leave out transport, or choose another solver")
+        return shoot(
+            patches, accuracy=accuracy, max_rays=max_rays, memory_limit=memory_limit, time_limit=time_limit,
+            start=start, threads=threads, seed=seed, progress=progress,
+        )  # fmt: skip
+    if time_limit is not None or start is not None:
+        raise ValueError(f"time_limit and start are for solver='shooting', not for '{solver}'")
     exact, threads, seed = _is_exact(closure), threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
     most = None if max_iterations is None else whole(max_iterations, "max_iterations", 0, 2**63 - 1)
     options = {
@@ -185,7 +209,7 @@ def solve(
             raise ValueError("transport was measured on other patches; pass those patches to solve")
         memory = memory_or_most(memory_limit)
         native = transport._native.solve(*light, solver, seed, memory, most, threads, progress, show)
-    elif solver in SHOOTING:
+    elif solver in PROGRESSIVE:
         memory = memory_or_most(memory_limit)
         native = _native.solve_on_demand(
             patches._enclosure, *light, seed, memory, solver, most, threads, progress, show
@@ -208,4 +232,4 @@ def _is_exact(closure: str) -> bool:
     return closure == "exact"
 
 
-__all__ = ["DEFAULT_PATCHES", "SHOOTING", "SOLVERS", "Solution", "solve"]
+__all__ = ["DEFAULT_PATCHES", "PROGRESSIVE", "SOLVERS", "Solution", "solve"]

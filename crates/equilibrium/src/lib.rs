@@ -22,6 +22,7 @@ pub mod method;
 pub mod on_demand;
 pub mod plan;
 pub mod report;
+pub mod shooting;
 pub mod solve;
 pub mod transport;
 
@@ -32,5 +33,6 @@ pub use lighting::{Lamp, Lighting};
 pub use method::Method;
 pub use on_demand::solve_on_demand;
 pub use report::{Limit, Report, SolverReport};
+pub use shooting::{Shooting, ShootingSettings, ShotSolution, shoot};
 pub use solve::{Closure, Failure, Measurement, Settings, Solution, Source, relight, solve};
 pub use transport::Transport;

@@ -15,6 +15,8 @@ pub enum Limit {
     PatchSize,
     /// More samples would not fit the memory limit.
     Memory,
+    /// The time was up.
+    Time,
     /// The samples were given; none were added.
     Samples,
     /// The solver did not converge.
@@ -31,6 +33,7 @@ impl Limit {
             Limit::Rays => "max_rays",
             Limit::PatchSize => "patch_size",
             Limit::Memory => "memory",
+            Limit::Time => "time",
             Limit::Samples => "samples",
             Limit::Solver => "solver",
             Limit::Hemicubes => "hemicubes",

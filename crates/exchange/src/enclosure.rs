@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 use radiosity_geometry::bvh::{Bvh, BvhParams, Hit, Ray};
 use radiosity_geometry::sampling::Frame;
 use radiosity_geometry::{Chart, Patches};
+use std::sync::Arc;
 
 /// No side: what stands where a patch has no back side.
 const NO_SIDE: u32 = u32::MAX;
@@ -22,9 +23,20 @@ pub enum Sight {
     Side(u32, f64, f64),
 }
 
+/// What a ray found, but not where on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Landing {
+    /// Nothing.
+    Escaped,
+    /// The black back of a one-sided patch, or an obstruction.
+    Back,
+    /// A side.
+    Side(u32),
+}
+
 /// Patches, their charts and the hierarchy that rays traverse.
 pub struct Enclosure {
-    patches: Patches,
+    patches: Arc<Patches>,
     charts: Vec<Chart>,
     /// Tangent frames of the front sides.
     frames: Vec<Frame>,
@@ -48,7 +60,8 @@ const PLANE_ROUNDING: f64 = 3.0 * f32::EPSILON as f64;
 
 impl Enclosure {
     /// Builds the hierarchy over all patches and obstructions. Patches without area are never hit and send nothing.
-    pub fn new(patches: Patches) -> Self {
+    pub fn new(patches: impl Into<Arc<Patches>>) -> Self {
+        let patches: Arc<Patches> = patches.into();
         let (low, high) = bounds(&patches);
         let middle = 0.5 * (low + high);
         let single = |p: DVec3| (p - middle).as_vec3();
@@ -168,21 +181,33 @@ impl Enclosure {
 
     /// What a hit of the hierarchy means.
     pub fn sight(&self, direction: Vec3, hit: &Hit) -> Sight {
-        if hit.is_miss() {
-            return Sight::Escaped;
+        match self.landing(direction, hit) {
+            Landing::Escaped => Sight::Escaped,
+            Landing::Back => Sight::Back,
+            Landing::Side(side) => {
+                let half = (self.owner[hit.triangle as usize] & 1) as usize;
+                let chart = &self.charts[self.patch_of(side as usize)];
+                let (s, t) = chart.coordinates(half, f64::from(hit.u), f64::from(hit.v));
+                Sight::Side(side, s, t)
+            }
         }
-        let owner = self.owner[hit.triangle as usize];
-        let (patch, half) = ((owner >> 1) as usize, (owner & 1) as usize);
+    }
+
+    /// As [`Enclosure::sight`], but not where on the side.
+    #[inline]
+    pub fn landing(&self, direction: Vec3, hit: &Hit) -> Landing {
+        if hit.is_miss() {
+            return Landing::Escaped;
+        }
+        let patch = (self.owner[hit.triangle as usize] >> 1) as usize;
         if patch >= self.patches.len() {
-            return Sight::Back;
+            return Landing::Back;
         }
         let front = direction.as_dvec3().dot(self.patches.normal[patch]) < 0.0;
-        let side = if front { patch as u32 } else { self.back_side[patch] };
-        if side == NO_SIDE {
-            return Sight::Back;
+        match if front { patch as u32 } else { self.back_side[patch] } {
+            NO_SIDE => Landing::Back,
+            side => Landing::Side(side),
         }
-        let (s, t) = self.charts[patch].coordinates(half, f64::from(hit.u), f64::from(hit.v));
-        Sight::Side(side, s, t)
     }
 
     /// Bytes held by patches and hierarchy.

@@ -84,19 +84,42 @@ impl Luminaires {
         seed: u64,
         control: &Control,
     ) -> Result<(), Cancelled> {
+        let probe = Probe::new(enclosure, self, seed);
         let replicates = samples.replicates();
-        let shapes: Vec<Shape> = self.list.iter().map(|l| Shape::new(enclosure, l)).collect();
         samples.draw(wanted, control, Scratch::default, |scratch, side, first, items| {
-            if enclosure.area(side) == 0.0 || !scratch.weigh(enclosure, self, &shapes, side) {
-                return;
-            }
-            let each = items.len() / replicates;
-            for (replicate, items) in items.chunks_mut(each.max(1)).enumerate() {
-                let sequence = Sequence::new(seed, side as u32, replicate as u32, STREAM);
-                scratch.propose(enclosure, self, &shapes, side, &sequence, first, items);
-                scratch.test(enclosure, items);
-            }
+            probe.draw(scratch, side, first, replicates, items);
         })
+    }
+}
+
+/// What samples luminaires from one side after another.
+pub struct Probe<'a> {
+    enclosure: &'a Enclosure,
+    luminaires: &'a Luminaires,
+    shapes: Vec<Shape>,
+    seed: u64,
+}
+
+impl<'a> Probe<'a> {
+    /// Looks at luminaires once for all sides.
+    pub fn new(enclosure: &'a Enclosure, luminaires: &'a Luminaires, seed: u64) -> Self {
+        let shapes = luminaires.list.iter().map(|l| Shape::new(enclosure, l)).collect();
+        Self { enclosure, luminaires, shapes, seed }
+    }
+
+    /// Fills `items` with samples `first..` of a side, replicate after replicate; leaves them if no luminaire can
+    /// reach it.
+    pub fn draw(&self, scratch: &mut Scratch, side: usize, first: u32, replicates: usize, items: &mut [LightSample]) {
+        let (enclosure, luminaires, shapes) = (self.enclosure, self.luminaires, &self.shapes);
+        if enclosure.area(side) == 0.0 || !scratch.weigh(enclosure, luminaires, shapes, side) {
+            return;
+        }
+        let each = items.len() / replicates;
+        for (replicate, items) in items.chunks_mut(each.max(1)).enumerate() {
+            let sequence = Sequence::new(self.seed, side as u32, replicate as u32, STREAM);
+            scratch.propose(enclosure, luminaires, shapes, side, &sequence, first, items);
+            scratch.test(enclosure, items);
+        }
     }
 }
 
@@ -179,8 +202,9 @@ fn point_kernel(x: DVec3, normal: DVec3, y: DVec3, lamp: &Shape) -> f64 {
     if r2 > 0.0 { cosines / (r2 * r2) * lamp.area * FRAC_1_PI } else { 0.0 }
 }
 
+/// Buffers for the samples of one side, made once per worker.
 #[derive(Default)]
-struct Scratch {
+pub struct Scratch {
     /// Cumulative share of the samples of one side, per luminaire.
     cumulative: Vec<f64>,
     near: Vec<bool>,

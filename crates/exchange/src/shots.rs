@@ -165,7 +165,7 @@ const DIRECTION_CELLS: usize = 1 << (2 * DIRECTION_LEVEL);
 ///
 /// Four more looks decide: straight up and to three sides. A point outside would have to see the inside of faces,
 /// that is, wrongly oriented ones, in all five directions to be taken for buried.
-fn is_buried(enclosure: &Enclosure, side: usize, ray: &Ray) -> bool {
+pub fn is_buried(enclosure: &Enclosure, side: usize, ray: &Ray) -> bool {
     let frame = enclosure.frame(side);
     let (z, r) = (0.6, 0.8);
     [(0.0, 0.0, 1.0), (r, 0.0, z), (-0.5 * r, 0.866 * r, z), (-0.5 * r, -0.866 * r, z)].into_iter().all(|(x, y, z)| {

@@ -9,6 +9,7 @@ mod factors;
 mod patches;
 mod picture;
 mod scene;
+mod shooting;
 mod solution;
 mod teaching;
 mod watch;
@@ -21,6 +22,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<patches::Patches>()?;
     module.add_class::<patches::Enclosure>()?;
     module.add_class::<solution::Solution>()?;
+    module.add_class::<shooting::ShotSolution>()?;
+    module.add_class::<shooting::ShootingState>()?;
     module.add_class::<factors::Factors>()?;
     module.add_class::<factors::ExchangeFile>()?;
     module.add_class::<teaching::ItemBuffer>()?;
@@ -30,6 +33,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scene::builtin, module)?)?;
     module.add_function(wrap_pyfunction!(solution::solve, module)?)?;
     module.add_function(wrap_pyfunction!(solution::solve_on_demand, module)?)?;
+    module.add_function(wrap_pyfunction!(shooting::shoot, module)?)?;
     module.add_function(wrap_pyfunction!(factors::form_factors, module)?)?;
     module.add_function(wrap_pyfunction!(factors::given_factors, module)?)?;
     module.add_function(wrap_pyfunction!(teaching::frame, module)?)?;

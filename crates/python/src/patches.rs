@@ -96,7 +96,7 @@ impl Enclosure {
     #[new]
     #[pyo3(signature = (patches, threads=None))]
     fn new(py: Python<'_>, patches: &Patches, threads: Option<usize>) -> PyResult<Self> {
-        let patches = patches.inner.as_ref().clone();
+        let patches = patches.inner.clone();
         let inner = crate::watch::run(py, threads, None, |_| radiosity_exchange::Enclosure::new(patches))?;
         Ok(Self { inner: Arc::new(inner) })
     }

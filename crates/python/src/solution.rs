@@ -262,7 +262,7 @@ pub fn settings(
     Ok(Settings { accuracy, seed, max_rays, memory_limit, method, max_iterations, closure })
 }
 
-fn report_out<'py>(py: Python<'py>, r: &Report) -> PyResult<Bound<'py, PyDict>> {
+pub fn report_out<'py>(py: Python<'py>, r: &Report) -> PyResult<Bound<'py, PyDict>> {
     let d = PyDict::new(py);
     d.set_item("accuracy", r.accuracy)?;
     d.set_item("estimated_error", r.estimated_error)?;

@@ -51,12 +51,16 @@ MaxPatches = Annotated[int | None, typer.Option(min=1, metavar="N", help="The mo
 # How it is solved.
 Accuracy = Annotated[float, typer.Option(help="Wanted error of irradiance, RMS over area, relative to the mean.")]
 MaxRays = Annotated[int | None, typer.Option(min=1, max=2**32 - 1, metavar="N", help="Most rays per patch.")]
+TimeLimit = Annotated[
+    float | None,
+    typer.Option(metavar="SECONDS", help="Seconds after which shooting adds no more rays.", show_default=False),
+]
 Memory = Annotated[str | None, typer.Option(metavar="SIZE", help="Memory to stay within, such as 4GB or 500MiB.")]
 Solver = Annotated[
     str,
     typer.Option(
         help="How the equations are solved: conjugate_gradient, jacobi, gauss_seidel, over_relaxation; or by shooting "
-        "from the brightest patch, without a matrix: southwell, overshooting."
+        "from the brightest patch, without a matrix: southwell, overshooting; or by rays that carry power, for scenes too large for anything else: shooting."
     ),
 ]
 MaxIterations = Annotated[

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 _REMEDIES = {
     "max_rays": "the most rays per patch were spent; raise --max-rays",
     "patch_size": "light varies too much within patches; give more with --patches or --max-edge",
+    "time": "the time was up; raise --time-limit",
     "memory": "more samples would not fit the memory; raise --memory or give fewer patches",
     "solver": "the solver did not converge; raise --max-iterations or use another --solver",
     "hemicubes": "the most hemicubes per patch were drawn; give more patches with --patches or use another --solver",

@@ -43,6 +43,7 @@ class Effort:
     max_iterations: int | None = None
     threads: int | None = None
     seed: int = 0
+    time_limit: float | None = None
 
 
 def solve(
@@ -56,6 +57,7 @@ def solve(
     max_patches: options.MaxPatches = None,
     max_rays: options.MaxRays = None,
     memory: options.Memory = None,
+    time_limit: options.TimeLimit = None,
     unit: options.Unit = None,
     two_sided: options.TwoSided = None,
     solver: options.Solver = "conjugate_gradient",
@@ -69,7 +71,7 @@ def solve(
     targets = outputs or []
     output.check_outputs(targets, SUFFIXES, file)
     meshing = source.Meshing(max_edge, patches, as_is, max_patches)
-    effort = Effort(accuracy, max_rays, memory, solver, max_iterations, threads, seed)
+    effort = Effort(accuracy, max_rays, memory, solver, max_iterations, threads, seed, time_limit)
     source.use_threads(threads)
     if exchange is not None:
         two_sided = source.sides_of_factors(file, two_sided)
@@ -137,6 +139,7 @@ def solve_patches(
             solver=effort.solver,  # type: ignore[arg-type]  # the engine says which there are
             max_iterations=effort.max_iterations,
             memory_limit=memory,
+            time_limit=effort.time_limit,
             threads=effort.threads,
             seed=effort.seed,
             progress=bar,
