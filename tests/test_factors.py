@@ -27,6 +27,7 @@ ASKED: dict[Method, tuple[dict[str, Any], float]] = {
     "nusselt": ({"points": 4}, 1e-5),
     "hemicube": ({"hemicubes": 64, "resolution": 256}, 5e-3),
     "monte_carlo": ({"rays": RAYS}, 0.01),
+    "hierarchical": ({"tolerance": 1e-3}, 5e-3),
 }
 
 EXACT: tuple[Method, ...] = ("auto", "analytic", "contour")
@@ -66,7 +67,11 @@ def test_the_faces_of_a_cube(method: Method) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_what_stands_between(method: Method) -> None:
     F = measured(plate(), method, **({"tolerance": 1e-7} if method in EXACT else {}))
-    tolerance = 1e-7 if method in EXACT else {"nusselt": 0.02, "hemicube": 0.01, "monte_carlo": 0.005}[method]
+    tolerance = (
+        1e-7
+        if method in EXACT
+        else {"nusselt": 0.02, "hemicube": 0.01, "monte_carlo": 0.005, "hierarchical": 0.005}[method]
+    )
     assert F.toarray()[0, 1] == pytest.approx(PLATE, abs=tolerance)
 
 

@@ -15,7 +15,7 @@ from known import Runner, cube, cube_factors
 import radiosity
 from radiosity import FormFactors, PointLight, Snapshot, form_factors, scenes, solve
 from radiosity.factors import form_factors as measured
-from radiosity.solution import SHOOTING, SOLVERS
+from radiosity.solution import PROGRESSIVE, SOLVERS
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +106,7 @@ class TestShooting:
         assert report.unshot_history[0] == 1.0
         assert report.unshot_history[-1] == pytest.approx(0.9, rel=1e-6)
 
-    @pytest.mark.parametrize("solver", SHOOTING)
+    @pytest.mark.parametrize("solver", PROGRESSIVE)
     def test_it_needs_no_matrix(self, solver: radiosity.solution.Solver) -> None:
         patches = cube(0.5, {"ceiling": 1.0}).patches(as_is=True)
         solution = solve(patches, solver=solver, accuracy=0.01)
@@ -176,7 +176,7 @@ class TestOnIterate:
         assert [s.iteration for s in seen] == list(range(solution.report.iterations + 1))
         assert [s.residual for s in seen] == solution.report.residual_history
         assert seen[-1].radiosity == pytest.approx(solution.radiosity, rel=1e-12)
-        if solver in SHOOTING:
+        if solver in PROGRESSIVE:
             assert [s.unshot for s in seen] == solution.report.unshot_history
 
     def test_the_ambient_term_completes_a_closed_room(self, room: FormFactors) -> None:

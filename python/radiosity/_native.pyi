@@ -234,6 +234,20 @@ def solve_on_demand(
     progress: _Progress | None = None,
     on_iterate: _OnIterate | None = None,
 ) -> Solution: ...
+def solve_linked(
+    enclosure: Enclosure,
+    reflectance: _Floats,
+    emission: _Floats,
+    lamps: list[LightTuple],
+    accuracy: float,
+    seed: int,
+    memory_limit: int,
+    method: str,
+    max_iterations: int | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+    on_iterate: _OnIterate | None = None,
+) -> Solution: ...
 def shoot(
     enclosure: Enclosure,
     reflectance: _Floats,

@@ -10,6 +10,7 @@ _LIMITS = {
     "max_rays": "the most rays per patch were spent: raise max_rays",
     "patch_size": "light varies too much within patches: use smaller ones",
     "time": "the time was up: raise time_limit, or refine the solution",
+    "tolerance": "the exchange is as exact as blocks get: use transport='sampled', or fewer patches",
     "memory": "more samples would not fit the memory limit: raise it",
     "samples": "the samples were given: solve the scene afresh for more",
     "solver": "the solver did not converge: the answer is not the equilibrium",
@@ -31,6 +32,9 @@ class Report:
     irradiance, relative to its mean; it combines ``sampling_error`` (more rays reduce it) and
     ``discretisation_error`` (smaller patches reduce it). ``limited_by`` is ``"accuracy"`` when the request was met.
     ``closure_*`` are raw row sums of the form factors before ``closure_residual`` remained after balancing.
+
+    ``transport`` says what the equations were solved on ("sampled", "hierarchical", "given", "on_demand" for rows drawn
+    when they shoot, "shooting" for none), and ``why`` why, where it was left to choose.
 
     ``solver`` took ``iterations`` (products, sweeps or shots), which is as much work as ``products`` with the whole
     exchange, and stopped because of ``stop``: "converged", "max_iterations", "diverged" or "observer", which is a
@@ -78,6 +82,8 @@ class Report:
     seconds: float
     seed: int = 0
     bands: list[str] = field(default_factory=list)
+    transport: str = "sampled"
+    why: str = ""
 
     @property
     def reached(self) -> bool:
@@ -108,6 +114,7 @@ class Report:
             ("energy imbalance", f"{self.imbalance:+.3%}"),
             ("closure", f"raw row sums {self.closure_min:.4f} to {self.closure_max:.4f}, mean {self.closure_mean:.4f};"
                         f" {self.escape_share:.2%} of rays escape"),
+            ("transport", self.transport + (f": {self.why}" if self.why else "")),
             ("patches", f"{self.patches:,} ({self.sides:,} sides, {self.luminaires:,} luminaires)"),
             ("rays", f"{self.rays:,} + {self.shadow_rays:,} to luminaires, in {self.rounds} rounds"),
             ("rows on demand", f"{self.rows_on_demand:,} by {self.hemicubes:,} hemicubes, in {self.rounds} rounds"),

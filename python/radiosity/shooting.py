@@ -147,6 +147,7 @@ def shoot(
     seed: int,
     threads: int | None,
     progress: Progress | None,
+    why: str = "",
 ) -> ShootingSolution:
     """As ``radiosity.solve(patches, solver="shooting")``, which see."""
     options: dict[str, Any] = {
@@ -154,7 +155,7 @@ def shoot(
         "threads": threads, "progress": progress,
     }  # fmt: skip
     if start is None:
-        return _shoot(patches, patches.reflectance, patches.emission, seed=seed, **options)
+        return _shoot(patches, patches.reflectance, patches.emission, seed=seed, why=why, **options)
     if not isinstance(start, ShootingSolution):
         raise ValueError("start must be a solution by shooting")
     if start.patches is not patches:
@@ -175,6 +176,7 @@ def _shoot(
     threads: int | None = None,
     progress: Progress | None = None,
     state: _native.ShootingState | None = None,
+    why: str = "",
 ) -> ShootingSolution:
     threads, seed = threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
     seconds = math.inf if time_limit is None else float(time_limit)
@@ -185,7 +187,7 @@ def _shoot(
         whole(max_rays, "max_rays", 1, 2**32 - 1), memory_or_most(memory_limit), seconds, state, threads, progress,
     )  # fmt: skip
     options = {"accuracy": float(accuracy), "max_rays": max_rays, "threads": threads, "seed": seed}
-    return ShootingSolution(patches, native, reflectance, emission, options)
+    return ShootingSolution(patches, native, reflectance, emission, options, why=why)
 
 
 __all__ = ["ShootingSolution", "load_state"]

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from radiosity import _native
 from radiosity.checks import memory_or_most, threads_or_all, whole
+from radiosity.choice import choose
 from radiosity.factors import FormFactors
 from radiosity.patches import Patches
 from radiosity.report import Report
@@ -23,11 +24,16 @@ Solver = Literal[
     "conjugate_gradient", "jacobi", "gauss_seidel", "over_relaxation", "southwell", "overshooting", "shooting"
 ]
 
-SOLVERS: tuple[Solver, ...] = get_args(Solver)
-"""The names of all solvers."""
+Transport = Literal["sampled", "hierarchical"]
+
+SOLVERS: tuple[Solver, ...] = tuple(name for name in get_args(Solver) if name != "shooting")
+"""The names of those that solve the equations; shooting has none."""
 
 PROGRESSIVE = ("southwell", "overshooting")
 """Solvers that need rows and no products, and so no matrix."""
+
+MAX_RAYS = 1 << 18
+"""Most rays per patch where the caller does not say."""
 
 DEFAULT_PATCHES = 5000
 """Patches that a scene is cut into when the caller does not say."""
@@ -52,6 +58,8 @@ class Solution:
         reflectance: Floats,
         emission: Floats,
         options: dict[str, Any],
+        transport: str = "shooting",
+        why: str = "",
     ) -> None:
         self.patches = patches
         self.reflectance = reflectance
@@ -62,7 +70,9 @@ class Solution:
         self.back_irradiance, self.back_radiosity, self.back_error = (
             self._on_all_patches(values) for values in native.backs()
         )
-        self.report = Report(**native.report(), seed=options["seed"], bands=list(patches.scene.bands))
+        self.report = Report(
+            **native.report(), seed=options["seed"], bands=list(patches.scene.bands), transport=transport, why=why
+        )
         self._native: Any = native
         self._options = options
 
@@ -93,7 +103,9 @@ class Solution:
             new_reflectance, new_emission, _lamps(self.patches.scene), o["accuracy"], o["solver"], o["exact"],
             o["max_iterations"], o["threads"],
         )  # fmt: skip
-        return Solution(self.patches, native, new_reflectance, new_emission, self._options)
+        return Solution(
+            self.patches, native, new_reflectance, new_emission, self._options, self.report.transport, self.report.why
+        )
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the solution: ``.glb`` (a lit model), ``.npz`` (all arrays) or ``.vtp`` (ParaView).
@@ -129,12 +141,12 @@ def solve(
     scene: Scene | Patches,
     *,
     accuracy: float = 0.01,
-    transport: FormFactors | None = None,
-    solver: Solver = "conjugate_gradient",
+    transport: FormFactors | Transport | None = None,
+    solver: Solver | None = None,
     max_iterations: int | None = None,
     on_iterate: OnIterate | None = None,
     closure: Literal["balanced", "exact"] = "balanced",
-    max_rays: int = 1 << 18,
+    max_rays: int = MAX_RAYS,
     memory_limit: int | None = None,
     time_limit: float | None = None,
     start: Solution | None = None,
@@ -148,9 +160,12 @@ def solve(
         scene: a scene (cut into about 5,000 patches) or patches.
         accuracy: wanted error of irradiance, root mean square over area and bands, relative to its mean. The engine
             samples until its own estimate of the error is below; ``report.reached`` says whether it got there.
-        transport: form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by patch, instead of
-            measuring the exchange to the accuracy.
-        solver: how the equations are solved. "conjugate_gradient" takes fewest products where much is reflected.
+        transport: what the equations are solved on. "sampled": samples of what every patch sees, which the answer is
+            gathered through once more. "hierarchical": an exchange in blocks made for this light, for many patches;
+            it is relit in no time. Or form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by
+            patch. Left out, the engine chooses by size, accuracy and memory; ``report.why`` says why.
+        solver: how the equations are solved (default "conjugate_gradient"; where nothing else fits, and ``transport``
+            is left out too, the engine chooses "shooting"). "conjugate_gradient" takes fewest products where much is reflected.
             "jacobi" is light bounce by bounce, "gauss_seidel" patch by patch, and "over_relaxation" the same with
             longer steps. "southwell" is progressive refinement: the patch with most unshot power shoots, and most of
             the light is there after a few shots; "overshooting" shoots for what is still to come as well, and takes
@@ -181,19 +196,25 @@ def solve(
     """
     patches = scene if isinstance(scene, Patches) else scene.patches(count=DEFAULT_PATCHES)
     patches.scene.validate()
-    if solver == "shooting":
+    memory, why = memory_or_most(memory_limit), ""
+    is_open = closure == "balanced" and max_rays == MAX_RAYS and start is None and time_limit is None
+    if transport is None and solver is None and is_open:
+        way, why = choose(patches, accuracy, memory)
+        transport, solver = (None, "shooting") if way == "shooting" else (way, None)
+    if solver == "shooting" or (solver is None and (start is not None or time_limit is not None)):
+        if transport is not None:
+            raise ValueError("shooting has no transport: leave it out, or choose another solver")
         if max_iterations is not None or on_iterate is not None:
             raise ValueError(
                 "shooting has rounds, not iterations: use max_rays or time_limit; refine shows it in steps"
             )
         from radiosity.shooting import shoot  # noqa: PLC0415
 
-        if transport is not None:
-            raise ValueError("shooting needs no form factors: leave out transport, or choose another solver")
         return shoot(
             patches, accuracy=accuracy, max_rays=max_rays, memory_limit=memory_limit, time_limit=time_limit,
-            start=start, threads=threads, seed=seed, progress=progress,
+            start=start, threads=threads, seed=seed, progress=progress, why=why,
         )  # fmt: skip
+    solver = solver or "conjugate_gradient"
     if time_limit is not None or start is not None:
         raise ValueError(f"time_limit and start are for solver='shooting', not for '{solver}'")
     exact, threads, seed = _is_exact(closure), threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
@@ -204,26 +225,36 @@ def solve(
     }  # fmt: skip
     light = (patches.reflectance, patches.emission, _lamps(patches.scene), accuracy)
     show = handed_to(on_iterate, patches, patches.reflectance)
-    if transport is not None:
+    if isinstance(transport, FormFactors):
         if transport.patches is not patches:
             raise ValueError("transport was measured on other patches; pass those patches to solve")
-        memory = memory_or_most(memory_limit)
         native = transport._native.solve(*light, solver, seed, memory, most, threads, progress, show)
+        made = "given"
+    elif transport == "hierarchical":
+        native = _native.solve_linked(
+            patches._enclosure, *light, seed, memory, solver, most, threads, progress, show
+        )  # fmt: skip
+        made = "hierarchical"
+    elif transport not in (None, "sampled"):
+        raise ValueError(f"there is no transport '{transport}'; choose sampled or hierarchical, or pass form factors")
     elif solver in PROGRESSIVE:
-        memory = memory_or_most(memory_limit)
+        if transport == "sampled":
+            raise ValueError(f"{solver} shoots from rows, not samples: leave out transport, or pass form factors")
         native = _native.solve_on_demand(
             patches._enclosure, *light, seed, memory, solver, most, threads, progress, show
         )  # fmt: skip
+        made = "on_demand"
     elif on_iterate is not None:
         raise ValueError(
             "a solve that samples has no iterations to show: pass transport, or a solver that shoots"
         )  # fmt: skip
     else:
-        rays, memory = whole(max_rays, "max_rays", 1, 2**32 - 1), memory_or_most(memory_limit)
+        rays = whole(max_rays, "max_rays", 1, 2**32 - 1)
         native = _native.solve(
             patches._enclosure, *light, seed, rays, memory, solver, exact, most, threads, progress
         )  # fmt: skip
-    return Solution(patches, native, patches.reflectance, patches.emission, options)
+        made = "sampled"
+    return Solution(patches, native, patches.reflectance, patches.emission, options, made, why)
 
 
 def _is_exact(closure: str) -> bool:

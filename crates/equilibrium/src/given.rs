@@ -31,7 +31,9 @@ pub fn solve_given(
         let patches = factors.enclosure.patches().len();
         return Err(Failure::Memory { patches, needed, limit: settings.memory_limit });
     }
-    let incident = Incident::new(&factors.enclosure, lighting, settings.accuracy, settings.seed, control)?;
+    let each = incident::tests(settings.accuracy);
+    let lamps = incident::without_area(lighting);
+    let incident = Incident::new(&factors.enclosure, lighting, lamps, each, settings.seed, control)?;
     solve_with(factors, Arc::new(incident), lighting, settings, observer, start, control)
 }
 
@@ -43,13 +45,18 @@ pub fn relight_given(
     settings: &Settings,
     control: &Control,
 ) -> Result<Solution, Failure> {
-    if !incident.is_of(lighting) {
-        return solve_given(factors, lighting, settings, None, control);
-    }
-    solve_with(factors, incident.clone(), lighting, settings, None, Instant::now(), control)
+    let start = Instant::now();
+    let enclosure = &factors.enclosure;
+    let of_exchange = factors.operator.pairs().is_none();
+    let lamps = if of_exchange { lighting.luminaires(enclosure) } else { incident::without_area(lighting) };
+    let relit = match incident.relit(enclosure, lighting, &lamps) {
+        Some(relit) => relit,
+        None => Incident::new(enclosure, lighting, lamps, incident::tests(settings.accuracy), settings.seed, control)?,
+    };
+    solve_with(factors, Arc::new(relit), lighting, settings, None, start, control)
 }
 
-fn solve_with(
+pub(crate) fn solve_with(
     factors: &Arc<FormFactors>,
     incident: Arc<Incident>,
     lighting: &Lighting,
@@ -61,9 +68,12 @@ fn solve_with(
     let task = Task::new(factors, incident, lighting, settings, control);
     let method = settings.method;
     let options = SolveOptions { observer, ..task.options() };
-    let (radiosity, solver) = task.solve(method.solver(), &task.emission, &task.incident.mean, &options)?;
-    let irradiance = task.irradiance(&radiosity, &task.incident.mean);
-    let error = task.error(&radiosity, &irradiance)?;
+    let (exchanged, solver) = task.solve(method.solver(), &task.exchanged, &task.incident.mean, &options)?;
+    let irradiance = task.irradiance(&exchanged, &task.incident.mean);
+    let error = task.error(&exchanged, &irradiance)?;
+    // What lamps send that were tested one by one went no way through the exchange.
+    let tested = task.emission.iter().zip(&task.exchanged).map(|(e, x)| e - x);
+    let radiosity: Vec<f64> = exchanged.iter().zip(tested).map(|(b, e)| b + e).collect();
     let energy = task.energy(&radiosity, &irradiance);
     let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
     for (k, h) in irradiance.iter().enumerate() {
@@ -129,6 +139,8 @@ struct Task<'a> {
     area: Vec<f64>,
     reflectance: Vec<f64>,
     emission: Vec<f64>,
+    /// Of it what goes through the exchange.
+    exchanged: Vec<f64>,
     incident: Arc<Incident>,
 }
 
@@ -141,10 +153,12 @@ impl<'a> Task<'a> {
         control: &'a Control,
     ) -> Self {
         let enclosure = &factors.enclosure;
+        let emission = lighting.per_side(enclosure, |patch| lighting.emission_of(patch));
         Self {
             area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
             reflectance: lighting.per_side(enclosure, |patch| lighting.reflectance_of(patch)),
-            emission: lighting.per_side(enclosure, |patch| lighting.emission_of(patch)),
+            exchanged: incident.left(&emission, lighting.bands),
+            emission,
             incident,
             factors,
             lighting,
@@ -216,7 +230,7 @@ impl<'a> Task<'a> {
         // Whatever the solver is, its limits are not those of the error.
         let options = SolveOptions { max_iterations: MOST_ITERATIONS, ..self.options() };
         let left: Vec<f64> = (0..own.len())
-            .map(|k| (self.emission[k] + self.reflectance[k] * irradiance[k] - radiosity[k]).abs())
+            .map(|k| (self.exchanged[k] + self.reflectance[k] * irradiance[k] - radiosity[k]).abs())
             .collect();
         let (carried, _) = self.solve(conjugate_gradient, &left, &own, &options)?;
         Ok(self.irradiance(&carried, &own))
@@ -235,7 +249,7 @@ impl<'a> Task<'a> {
         let common: Vec<f64> = (0..arriving.len()).map(|k| share(found[k % bands].bias, k)).collect();
         let options = SolveOptions { tolerance: 0.1, max_iterations: MOST_ITERATIONS, observer: None };
         let left: Vec<f64> = (0..own.len())
-            .map(|k| (self.emission[k] + self.reflectance[k] * irradiance[k] - radiosity[k]).abs())
+            .map(|k| (self.exchanged[k] + self.reflectance[k] * irradiance[k] - radiosity[k]).abs())
             .collect();
         let (carried, _) = self.solve(conjugate_gradient, &left, &common, &options)?;
         let carried = self.irradiance(&carried, &vec![0.0; own.len()]);

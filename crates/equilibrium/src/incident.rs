@@ -1,9 +1,12 @@
-//! What lights without area put on sides, sampled side by side for a solve on whole sides.
+//! What lamps put on sides straight away, sampled side by side for a solve on whole sides.
+//!
+//! Lamps that shine alike, patches of one surface or a light without area, are a group, and what each group puts on a
+//! side for each unit of its strength is kept: so their light can be dimmed and coloured without a new ray.
 
-use crate::lighting::{Lamp, Lighting};
+use crate::lighting::{Lamp, Lighting, mean};
 use crate::solve::REPLICATES;
 use radiosity_exchange::luminaires::Luminaires;
-use radiosity_exchange::{Enclosure, LightSample, Samples};
+use radiosity_exchange::{Enclosure, LightSample, Luminaire, Samples};
 use radiosity_operator::{Cancelled, Control};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -18,31 +21,100 @@ const TESTS_FOR_ALL: f64 = 0.64;
 /// Sides whose samples are in memory at a time.
 const BATCH: usize = 1 << 14;
 
-/// Irradiance straight from lights without area. Blocks are sides x bands, W/m2.
+/// More groups are not kept one by one: then other lamps mean new tests.
+const MOST_GROUPS: usize = 64;
+
+/// Irradiance straight from lamps. Blocks are sides x bands, W/m2.
 pub struct Incident {
     pub(crate) mean: Vec<f64>,
     pub(crate) standard_error: Vec<f64>,
     pub(crate) tests: u64,
-    /// The lights it is of.
-    lamps: Vec<Lamp>,
+    luminaires: Luminaires,
+    groups: Groups,
+    /// Sides x groups: mean and squared standard error for a strength of one.
+    units: Vec<[f32; 2]>,
+}
+
+/// Lamps that shine alike.
+struct Groups {
+    /// Of each luminaire.
+    of: Vec<u32>,
+    /// A luminaire of each group.
+    first: Vec<usize>,
+}
+
+impl Groups {
+    fn new(luminaires: &Luminaires, lighting: &Lighting, enclosure: &Enclosure) -> Self {
+        let mut groups = Self { of: Vec::with_capacity(luminaires.list.len()), first: Vec::new() };
+        let surface = |k: usize| match luminaires.list[k] {
+            Luminaire::Side(side) => Some(enclosure.patches().surface[enclosure.patch_of(side as usize)]),
+            _ => None,
+        };
+        for k in 0..luminaires.list.len() {
+            let strength = strength(luminaires, lighting, enclosure, k);
+            let is_alike = |&g: &usize| {
+                let other = groups.first[g];
+                surface(k).is_some()
+                    && surface(other) == surface(k)
+                    && self::strength(luminaires, lighting, enclosure, other) == strength
+            };
+            // The last few: lamps are in the order of their patches.
+            let recent = groups.first.len().saturating_sub(MOST_GROUPS)..groups.first.len();
+            let group = recent.rev().find(is_alike).unwrap_or_else(|| {
+                groups.first.push(k);
+                groups.first.len() - 1
+            });
+            groups.of.push(group as u32);
+        }
+        groups
+    }
+
+    fn are_few(&self) -> bool {
+        self.first.len() <= MOST_GROUPS
+    }
+}
+
+/// What a luminaire shines with, per band.
+fn strength<'a>(luminaires: &Luminaires, lighting: &'a Lighting, enclosure: &Enclosure, k: usize) -> &'a [f64] {
+    match luminaires.list[k] {
+        Luminaire::Side(side) => lighting.emission_of(enclosure.patch_of(side as usize)),
+        // Lights without area come last.
+        _ => &lighting.lamps[k + lighting.lamps.len() - luminaires.list.len()].strength,
+    }
+}
+
+/// The lights without area.
+pub(crate) fn without_area(lighting: &Lighting) -> Luminaires {
+    Luminaires {
+        list: lighting.lamps.iter().map(|lamp| lamp.luminaire).collect(),
+        strength: lighting.lamps.iter().map(Lamp::mean_strength).collect(),
+    }
 }
 
 impl Incident {
-    /// Tests the lights from every side as often as an accuracy asks for.
+    /// Tests the lamps from every side, `each` times per replicate.
     pub(crate) fn new(
         enclosure: &Enclosure,
         lighting: &Lighting,
-        accuracy: f64,
+        luminaires: Luminaires,
+        each: u32,
         seed: u64,
         control: &Control,
     ) -> Result<Self, Cancelled> {
         let (sides, size) = (enclosure.sides(), enclosure.sides() * lighting.bands);
-        let mut incident =
-            Self { mean: vec![0.0; size], standard_error: vec![0.0; size], tests: 0, lamps: lighting.lamps.clone() };
-        if lighting.lamps.is_empty() {
+        let groups = Groups::new(&luminaires, lighting, enclosure);
+        let kept = if groups.are_few() { groups.first.len() } else { 0 };
+        let mut incident = Self {
+            mean: vec![0.0; size],
+            standard_error: vec![0.0; size],
+            tests: 0,
+            units: vec![[0.0; 2]; sides * kept],
+            luminaires,
+            groups,
+        };
+        if incident.luminaires.list.is_empty() {
             return Ok(incident);
         }
-        let each = each(accuracy);
         control.expect(sides as u64 * u64::from(each) * REPLICATES as u64);
         for start in (0..sides).step_by(BATCH) {
             incident.test(enclosure, lighting, start..(start + BATCH).min(sides), each, seed, control)?;
@@ -50,9 +122,60 @@ impl Incident {
         Ok(incident)
     }
 
-    /// Whether it is of these lights.
-    pub(crate) fn is_of(&self, lighting: &Lighting) -> bool {
-        self.lamps == lighting.lamps
+    /// The same lamps at other strengths; none if they no longer shine alike that did, or there are others.
+    pub(crate) fn relit(&self, enclosure: &Enclosure, lighting: &Lighting, luminaires: &Luminaires) -> Option<Self> {
+        let (groups, list) = (&self.groups, &self.luminaires.list);
+        let of = |k: usize| strength(&self.luminaires, lighting, enclosure, k);
+        let are_alike = || (0..list.len()).all(|k| of(k) == of(groups.first[groups.of[k] as usize]));
+        // Lamps that are out may be missing among the new.
+        let are_known = luminaires.list.iter().all(|l| list.contains(l));
+        if !(groups.are_few() && are_known && are_alike()) {
+            return None;
+        }
+        let (bands, count) = (lighting.bands, groups.first.len());
+        let mut relit = Self {
+            mean: vec![0.0; self.mean.len()],
+            standard_error: vec![0.0; self.mean.len()],
+            tests: 0,
+            luminaires: self.luminaires.clone(),
+            groups: Groups { of: groups.of.clone(), first: groups.first.clone() },
+            units: self.units.clone(),
+        };
+        let errors = relit.standard_error.par_chunks_mut(bands);
+        let units = self.units.par_chunks(count.max(1));
+        relit.mean.par_chunks_mut(bands).zip(errors).zip(units).for_each(|((mean, error), units)| {
+            for (&first, [unit, variance]) in groups.first.iter().zip(units) {
+                for (band, s) in of(first).iter().enumerate() {
+                    mean[band] += s * f64::from(*unit);
+                    error[band] += s * s * f64::from(*variance);
+                }
+            }
+            error.iter_mut().for_each(|e| *e = e.sqrt());
+        });
+        Some(relit)
+    }
+
+    /// What the exchange is to carry of what sides emit: not what was tested here.
+    pub(crate) fn left(&self, emission: &[f64], bands: usize) -> Vec<f64> {
+        let mut left = emission.to_vec();
+        for luminaire in &self.luminaires.list {
+            if let Luminaire::Side(side) = luminaire {
+                left[*side as usize * bands..(*side as usize + 1) * bands].fill(0.0);
+            }
+        }
+        left
+    }
+
+    /// Root mean square error over area, relative to the mean of `irradiance`.
+    pub(crate) fn relative_error(&self, enclosure: &Enclosure, irradiance: &[f64], bands: usize) -> f64 {
+        let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
+        for (side, (e, h)) in self.standard_error.chunks(bands).zip(irradiance.chunks(bands)).enumerate() {
+            let area = enclosure.area(side);
+            squares += area * e.iter().map(|e| e * e).sum::<f64>() / bands as f64;
+            level += area * mean(h);
+            whole += area;
+        }
+        crate::answer::ratio((squares * whole).sqrt(), level)
     }
 
     fn test(
@@ -64,38 +187,65 @@ impl Incident {
         seed: u64,
         control: &Control,
     ) -> Result<(), Cancelled> {
-        let (bands, lamps) = (lighting.bands, &lighting.lamps);
-        let luminaires = Luminaires {
-            list: lamps.iter().map(|lamp| lamp.luminaire).collect(),
-            strength: lamps.iter().map(Lamp::mean_strength).collect(),
-        };
+        let (bands, count) = (lighting.bands, self.groups.first.len());
         let mut samples = Samples::<LightSample>::new(enclosure.sides(), REPLICATES);
         let wanted: Vec<u32> =
             (0..enclosure.sides()).map(|side| if sides.contains(&side) { each } else { 0 }).collect();
-        luminaires.sample(enclosure, &mut samples, &wanted, seed, control)?;
+        self.luminaires.sample(enclosure, &mut samples, &wanted, seed, control)?;
         self.tests += samples.total() as u64;
-        let range = sides.start * bands..sides.end * bands;
-        let errors = self.standard_error[range.clone()].par_chunks_mut(bands);
-        self.mean[range].par_chunks_mut(bands).zip(errors).zip(sides).for_each(|((mean, error), side)| {
-            for band in 0..bands {
-                let value = |s: &LightSample| f64::from(s.weight) * lamps[s.luminaire as usize].strength[band];
-                let of = |k| samples.replicate(side, k).flatten().map(value).sum::<f64>() / f64::from(each);
-                let means: [f64; REPLICATES] = std::array::from_fn(of);
-                let n = REPLICATES as f64;
-                mean[band] = means.iter().sum::<f64>() / n;
-                error[band] = (means.iter().map(|m| (m - mean[band]).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+        let strengths: Vec<&[f64]> =
+            self.groups.first.iter().map(|&k| strength(&self.luminaires, lighting, enclosure, k)).collect();
+        let of = &self.groups.of;
+        let found: Vec<(Vec<f64>, Vec<f64>, Vec<[f32; 2]>)> = sides
+            .clone()
+            .into_par_iter()
+            .map(|side| {
+                // Per replicate and group, for a strength of one.
+                let mut units = vec![[0.0; REPLICATES]; count];
+                for replicate in 0..REPLICATES {
+                    for s in samples.replicate(side, replicate).flatten() {
+                        units[of[s.luminaire as usize] as usize][replicate] += f64::from(s.weight) / f64::from(each);
+                    }
+                }
+                let band = |band: usize| -> (f64, f64) {
+                    spread(&std::array::from_fn(|r| units.iter().zip(&strengths).map(|(u, s)| s[band] * u[r]).sum()))
+                };
+                let (mean, error) = (0..bands).map(band).map(|(m, v)| (m, v.sqrt())).unzip();
+                let unit = |u: &[f64; REPLICATES]| {
+                    let (mean, variance) = spread(u);
+                    [mean as f32, variance as f32]
+                };
+                (mean, error, units.iter().map(unit).collect())
+            })
+            .collect();
+        for (side, (mean, error, units)) in sides.zip(found) {
+            self.mean[side * bands..(side + 1) * bands].copy_from_slice(&mean);
+            self.standard_error[side * bands..(side + 1) * bands].copy_from_slice(&error);
+            if !self.units.is_empty() {
+                self.units[side * count..(side + 1) * count].copy_from_slice(&units);
             }
-        });
+        }
         Ok(())
     }
 }
 
-/// Tests from a side, per replicate.
-fn each(accuracy: f64) -> u32 {
+/// The mean of replicates and the square of its standard error.
+fn spread(values: &[f64; REPLICATES]) -> (f64, f64) {
+    let n = REPLICATES as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0)))
+}
+
+/// Tests from a side, per replicate, for an accuracy.
+pub(crate) fn tests(accuracy: f64) -> u32 {
     ((TESTS_FOR_ALL / accuracy) as u32).next_power_of_two().clamp(TESTS.0, TESTS.1)
 }
 
+/// The most tests from a side that are worth it, per replicate.
+pub(crate) const MOST_TESTS: u32 = TESTS.1;
+
 /// Bytes that tests take at most, beside the blocks.
 pub(crate) fn forecast(sides: usize, accuracy: f64) -> u64 {
-    12 * sides as u64 + 12 * (BATCH.min(sides) * REPLICATES) as u64 * u64::from(each(accuracy))
+    (12 + 8 * MOST_GROUPS as u64) * sides as u64
+        + 12 * (BATCH.min(sides) * REPLICATES) as u64 * u64::from(tests(accuracy))
 }

@@ -8,7 +8,7 @@
 
 use crate::answer::ratio;
 use crate::energy::Energy;
-use crate::incident::Incident;
+use crate::incident::{Incident, tests, without_area};
 use crate::lighting::Lighting;
 use crate::report::{Limit, Report, Seconds, SolverReport};
 use crate::solve::{Failure, Settings, Solution, Source, closure};
@@ -131,7 +131,14 @@ impl<'a> Task<'a> {
             area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
             reflectance: lighting.per_side(enclosure, |patch| lighting.reflectance_of(patch)),
             emission: lighting.per_side(enclosure, |patch| lighting.emission_of(patch)),
-            incident: Incident::new(enclosure, lighting, settings.accuracy, settings.seed, control)?,
+            incident: Incident::new(
+                enclosure,
+                lighting,
+                without_area(lighting),
+                tests(settings.accuracy),
+                settings.seed,
+                control,
+            )?,
         })
     }
 

@@ -13,6 +13,8 @@ pub enum Limit {
     Rays,
     /// Light varies within patches more than their elements resolve: a finer mesh is needed.
     PatchSize,
+    /// The exchange is as exact as blocks of rank one are worth building.
+    Tolerance,
     /// More samples would not fit the memory limit.
     Memory,
     /// The time was up.
@@ -32,6 +34,7 @@ impl Limit {
             Limit::Accuracy => "accuracy",
             Limit::Rays => "max_rays",
             Limit::PatchSize => "patch_size",
+            Limit::Tolerance => "tolerance",
             Limit::Memory => "memory",
             Limit::Time => "time",
             Limit::Samples => "samples",

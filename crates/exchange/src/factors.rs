@@ -199,7 +199,7 @@ pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control
     let start = Instant::now();
     settings.check_memory(enclosure.sides(), Kept::InMemory)?;
     if settings.method == Method::Hierarchical {
-        return by_links(enclosure, settings, control);
+        return Ok(by_links(enclosure, settings, &[], control)?);
     }
     let pairs = |kernel: Kernel| -> Result<_, Failure> {
         let of_pairs = pairs::Settings { kernel, tolerance: settings.tolerance, seed: settings.seed };
@@ -244,11 +244,19 @@ pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control
     })
 }
 
-/// Links and near pairs, and how wrong they are by independent rays.
-fn by_links(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control) -> Result<FormFactors, Failure> {
+/// Links and near pairs, and how wrong they are by independent rays. For `importance` see [`hierarchy::measure`].
+///
+/// # Errors
+/// If it is cancelled.
+pub fn by_links(
+    enclosure: Arc<Enclosure>,
+    settings: &Settings,
+    importance: &[f64],
+    control: &Control,
+) -> Result<FormFactors, Cancelled> {
     let start = Instant::now();
     let of_links = hierarchy::Settings::new(settings.tolerance, settings.seed);
-    let (operator, links, tally) = hierarchy::measure(&enclosure, &of_links, &[], control)?;
+    let (operator, links, tally) = hierarchy::measure(&enclosure, &of_links, importance, control)?;
     let report = report_of_links(&enclosure, &operator.row_sums(), settings, (links, tally), control)?;
     let report = FactorReport { seconds: start.elapsed().as_secs_f64(), ..report };
     let named = settings.named(enclosure.patches());

@@ -33,6 +33,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scene::builtin, module)?)?;
     module.add_function(wrap_pyfunction!(solution::solve, module)?)?;
     module.add_function(wrap_pyfunction!(solution::solve_on_demand, module)?)?;
+    module.add_function(wrap_pyfunction!(solution::solve_linked, module)?)?;
     module.add_function(wrap_pyfunction!(shooting::shoot, module)?)?;
     module.add_function(wrap_pyfunction!(factors::form_factors, module)?)?;
     module.add_function(wrap_pyfunction!(factors::given_factors, module)?)?;

@@ -151,6 +151,34 @@ pub fn solve_on_demand(
     Solution::new(result, lighting.bands)
 }
 
+/// Solves on a hierarchical exchange that is made for this light.
+#[pyfunction]
+#[pyo3(signature = (enclosure, reflectance, emission, lamps, accuracy, seed, memory_limit, method,
+                    max_iterations=None, threads=None, progress=None, on_iterate=None))]
+pub fn solve_linked(
+    py: Python<'_>,
+    enclosure: &Enclosure,
+    reflectance: PyReadonlyArray2<'_, f64>,
+    emission: PyReadonlyArray2<'_, f64>,
+    lamps: Vec<LightTuple>,
+    accuracy: f64,
+    seed: u64,
+    memory_limit: u64,
+    method: &str,
+    max_iterations: Option<usize>,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+    on_iterate: Option<Bound<'_, PyAny>>,
+) -> PyResult<Solution> {
+    let settings = settings(accuracy, seed, 0, memory_limit, method, max_iterations, false)?;
+    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
+    let fronts = enclosure.inner.patches().len();
+    let result = observed(py, threads, progress, on_iterate, (fronts, lighting.bands), |observer, control| {
+        radiosity_equilibrium::solve_linked(&enclosure.inner, &lighting, &settings, observer, control)
+    })?;
+    Solution::new(result, lighting.bands)
+}
+
 /// A snapshot on its way to the interpreter.
 struct Passing {
     iteration: usize,

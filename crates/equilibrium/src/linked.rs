@@ -1,0 +1,233 @@
+//! Solving on a hierarchical exchange that is made for the light at hand.
+//!
+//! 1. Lights without area are **tested** from every side.
+//! 2. What matters is guessed: emitters and what they make bright count more in blocks of the exchange.
+//! 3. The **exchange** is built, to a tolerance that the accuracy asks for.
+//! 4. Conjugate gradient **solves**, and independent rays from a few sides **check** what that radiosity makes arrive.
+//! 5. If the error is too large, go to 3 with a lesser tolerance and what is bright by now.
+//!
+//! Patches are seen at constant radiosity. What that leaves is told by seeing them coarser: four alike that lie together
+//! at their mean. Errors of first order are then at most as large as the difference, of second order a third.
+
+use crate::answer::ratio;
+use crate::given::solve_with;
+use crate::incident::{self, Incident};
+use crate::lighting::{Lighting, mean};
+use crate::report::{Limit, Report, Seconds};
+use crate::solve::{Failure, Settings, Solution};
+use radiosity_exchange::factors::{self, FormFactors, Method};
+use radiosity_exchange::{Enclosure, hierarchy};
+use radiosity_operator::{Control, Operator};
+use radiosity_solvers::Observer;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The tolerances that blocks are worth building to.
+const TOLERANCES: (f64, f64) = (5e-4, 5e-2);
+
+/// Exchanges that are built at most.
+const MOST_ROUNDS: usize = 3;
+
+/// What is dim matters no less than this share of the mean.
+const LEAST_IMPORTANCE: f64 = 0.25;
+
+/// Patches that are seen as one to tell what their size leaves.
+const TOGETHER: usize = 4;
+
+/// Solves to the accuracy asked for, or as near as blocks come. The observer sees every iteration of every round.
+pub fn solve_linked(
+    enclosure: &Arc<Enclosure>,
+    lighting: &Lighting,
+    settings: &Settings,
+    observer: Option<&Observer>,
+    control: &Control,
+) -> Result<Solution, Failure> {
+    let start = Instant::now();
+    let mut each = incident::tests(settings.accuracy);
+    let test = |each: u32| -> Result<Arc<Incident>, Failure> {
+        let lamps = lighting.luminaires(enclosure);
+        Ok(Arc::new(Incident::new(enclosure, lighting, lamps, each, settings.seed, control)?))
+    };
+    let mut incident = test(each)?;
+    let light = Light::guessed(enclosure, lighting, &incident);
+    let mut importance = light.importance;
+    let mut tolerance = (settings.accuracy * light.arriving_share).clamp(TOLERANCES.0, TOLERANCES.1);
+    let (mut rays, mut sampling) = (0, start.elapsed().as_secs_f64());
+    let mut factors: Option<Arc<FormFactors>> = None;
+    for round in 1.. {
+        let before = Instant::now();
+        let built = match factors.take() {
+            Some(factors) => factors,
+            None => Arc::new(exchange(enclosure, tolerance, &importance, settings, control)?),
+        };
+        sampling += before.elapsed().as_secs_f64();
+        let solution = solve_with(&built, incident.clone(), lighting, settings, observer, Instant::now(), control)?;
+        let error = solution.report.estimated_error;
+        let is_enough = error <= settings.accuracy;
+        // What the lamps add to the error, and what the exchange does.
+        let direct = incident.relative_error(enclosure, &solution.irradiance, lighting.bands);
+        let indirect = (error * error - direct * direct).max(0.0).sqrt();
+        let more_tests = direct > SHARE * settings.accuracy && each < incident::MOST_TESTS;
+        let finer = indirect > SHARE * settings.accuracy && tolerance > TOLERANCES.0;
+        if is_enough || round == MOST_ROUNDS || !(more_tests || finer) {
+            let factors = built;
+            let seconds = Seconds { sampling, total: start.elapsed().as_secs_f64(), ..solution.report.seconds };
+            let limited_by = if is_enough { Limit::Accuracy } else { Limit::Tolerance };
+            let rays = rays + rays_of(&factors);
+            let report =
+                Report { rays, rounds: round, seconds, limited_by: Some(limited_by), ..solution.report.clone() };
+            let sent = incident.left(&solution.radiosity, lighting.bands);
+            return Ok(with_patch_size(Solution { report, ..solution }, &sent, &factors, lighting, settings));
+        }
+        rays += rays_of(&built);
+        let before = Instant::now();
+        if more_tests {
+            let wanted = f64::from(each) * (direct / (0.6 * settings.accuracy)).powf(1.0 / RATE);
+            each = (wanted as u32).next_power_of_two().min(incident::MOST_TESTS);
+            incident = test(each)?;
+        }
+        if finer {
+            tolerance = (0.6 * tolerance * settings.accuracy / indirect).max(TOLERANCES.0);
+            importance = importance_of(enclosure, &incident.left(&solution.radiosity, lighting.bands), lighting.bands);
+        } else {
+            factors = Some(built);
+        }
+        sampling += before.elapsed().as_secs_f64();
+    }
+    unreachable!("the loop ends by returning")
+}
+
+fn rays_of(factors: &FormFactors) -> u64 {
+    factors.report.links.rays + factors.report.tally.rays
+}
+
+/// The share of the accuracy that one source of error may take without a cure.
+const SHARE: f64 = 0.6;
+
+/// The error of tests falls with this power of their number.
+const RATE: f64 = 0.65;
+
+/// The exchange to a tolerance.
+fn exchange(
+    enclosure: &Arc<Enclosure>,
+    tolerance: f64,
+    importance: &[f64],
+    settings: &Settings,
+    control: &Control,
+) -> Result<FormFactors, Failure> {
+    let asked =
+        factors::Settings { method: Method::Hierarchical, tolerance, seed: settings.seed, memory_limit: u64::MAX };
+    let of_links = hierarchy::Settings::new(tolerance, settings.seed);
+    let needed = hierarchy::forecast(enclosure.sides(), &of_links);
+    if needed > settings.memory_limit {
+        let patches = enclosure.patches().len();
+        return Err(Failure::Memory { patches, needed, limit: settings.memory_limit });
+    }
+    Ok(factors::by_links(enclosure.clone(), &asked, importance, control)?)
+}
+
+/// What is known of the light before it is solved for.
+struct Light {
+    /// Per side.
+    importance: Vec<f64>,
+    /// Mean irradiance over mean radiosity: direct light needs no exchange.
+    arriving_share: f64,
+}
+
+impl Light {
+    /// As if what is sent were spread evenly.
+    fn guessed(enclosure: &Enclosure, lighting: &Lighting, incident: &Incident) -> Self {
+        let bands = lighting.bands;
+        let (mut area, mut reflected, mut sent, mut direct) = (0.0, 0.0, 0.0, 0.0);
+        let emission = lighting.per_side(enclosure, |patch| lighting.emission_of(patch));
+        let exchanged = incident.left(&emission, bands);
+        let of = |side: usize| {
+            let patch = enclosure.patch_of(side);
+            let range = side * bands..(side + 1) * bands;
+            let (rho, e) = (mean(lighting.reflectance_of(patch)), mean(&exchanged[range]));
+            (enclosure.area(side), rho, e, mean(&incident.mean[side * bands..(side + 1) * bands]))
+        };
+        for side in 0..enclosure.sides() {
+            let (a, rho, e, h) = of(side);
+            area += a;
+            reflected += a * rho;
+            sent += a * (e + rho * h);
+            direct += a * h;
+        }
+        let rho = ratio(reflected, area);
+        // A closed room; an open one has less.
+        let radiosity = ratio(ratio(sent, area), 1.0 - rho);
+        let level = radiosity + ratio(direct, area);
+        let importance = (0..enclosure.sides())
+            .map(|side| {
+                let (_, rho, e, h) = of(side);
+                ratio(e + rho * (h + radiosity), radiosity).max(LEAST_IMPORTANCE)
+            })
+            .collect();
+        Self { importance, arriving_share: ratio(level, radiosity).max(1.0) }
+    }
+}
+
+/// How much brighter than the mean each side is.
+fn importance_of(enclosure: &Enclosure, radiosity: &[f64], bands: usize) -> Vec<f64> {
+    let (mut power, mut area) = (0.0, 0.0);
+    for (side, b) in radiosity.chunks_exact(bands).enumerate() {
+        power += enclosure.area(side) * mean(b);
+        area += enclosure.area(side);
+    }
+    let level = ratio(power, area);
+    radiosity.chunks_exact(bands).map(|b| ratio(mean(b), level).max(LEAST_IMPORTANCE)).collect()
+}
+
+/// Adds to the report what seeing patches at constant radiosity leaves.
+fn with_patch_size(
+    solution: Solution,
+    sent: &[f64],
+    factors: &FormFactors,
+    lighting: &Lighting,
+    settings: &Settings,
+) -> Solution {
+    let (bands, enclosure) = (lighting.bands, &factors.enclosure);
+    let difference = coarser(factors, sent, bands);
+    let mut image = vec![0.0; difference.len()];
+    factors.operator.apply(&difference, &mut image, bands);
+    let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
+    for (k, (d, h)) in image.iter().zip(&solution.irradiance).enumerate() {
+        let area = enclosure.area(k / bands);
+        if area > 0.0 {
+            squares += d * d / area;
+            level += area * h;
+            whole += area;
+        }
+    }
+    let discretisation_error = 0.5 * ratio((squares * whole).sqrt(), level);
+    let before = &solution.report;
+    let estimated_error = before.estimated_error.hypot(discretisation_error);
+    let limited_by = match before.limited_by {
+        Some(Limit::Accuracy) if estimated_error > settings.accuracy => Some(Limit::PatchSize),
+        other => other,
+    };
+    let report = Report { discretisation_error, estimated_error, limited_by, ..before.clone() };
+    Solution { report, ..solution }
+}
+
+/// What radiosity changes by where neighbours that face alike are seen at their mean.
+fn coarser(factors: &FormFactors, radiosity: &[f64], bands: usize) -> Vec<f64> {
+    let enclosure = &factors.enclosure;
+    let mut difference = vec![0.0; radiosity.len()];
+    for group in factors.operator.order().chunks(TOGETHER) {
+        let normal = enclosure.normal(group[0] as usize);
+        let surface = |side: usize| enclosure.patches().surface[enclosure.patch_of(side)];
+        let first = group[0] as usize;
+        let is_alike = |&side: &usize| enclosure.normal(side).dot(normal) > 0.9 && surface(side) == surface(first);
+        let alike: Vec<usize> = group.iter().map(|&side| side as usize).filter(is_alike).collect();
+        let area: f64 = alike.iter().map(|&side| enclosure.area(side)).sum();
+        for band in 0..bands {
+            let power: f64 = alike.iter().map(|&side| enclosure.area(side) * radiosity[side * bands + band]).sum();
+            for &side in &alike {
+                difference[side * bands + band] = power / area - radiosity[side * bands + band];
+            }
+        }
+    }
+    difference
+}
