@@ -33,7 +33,7 @@ pub fn solve_given(
     }
     let each = incident::tests(settings.accuracy);
     let lamps = incident::without_area(lighting);
-    let incident = Incident::new(&factors.enclosure, lighting, lamps, each, settings.seed, control)?;
+    let incident = Incident::new(&factors.enclosure, lighting, lamps, Arc::default(), each, settings.seed, control)?;
     solve_with(factors, Arc::new(incident), lighting, settings, observer, start, control)
 }
 
@@ -51,7 +51,10 @@ pub fn relight_given(
     let lamps = if of_exchange { lighting.luminaires(enclosure) } else { incident::without_area(lighting) };
     let relit = match incident.relit(enclosure, lighting, &lamps) {
         Some(relit) => relit,
-        None => Incident::new(enclosure, lighting, lamps, incident::tests(settings.accuracy), settings.seed, control)?,
+        None => {
+            let (exposed, each) = (incident.exposed().clone(), incident::tests(settings.accuracy));
+            Incident::new(enclosure, lighting, lamps, exposed, each, settings.seed, control)?
+        }
     };
     solve_with(factors, Arc::new(relit), lighting, settings, None, start, control)
 }
@@ -155,7 +158,7 @@ impl<'a> Task<'a> {
         let enclosure = &factors.enclosure;
         let emission = lighting.per_side(enclosure, |patch| lighting.emission_of(patch));
         Self {
-            area: (0..enclosure.sides()).map(|side| enclosure.area(side)).collect(),
+            area: incident.exposed_areas(enclosure),
             reflectance: lighting.per_side(enclosure, |patch| lighting.reflectance_of(patch)),
             exchanged: incident.left(&emission, lighting.bands),
             emission,
@@ -241,7 +244,11 @@ impl<'a> Task<'a> {
     fn error_of_links(&self, radiosity: &[f64], irradiance: &[f64]) -> Result<Vec<f64>, Cancelled> {
         let bands = self.lighting.bands;
         let arriving: Vec<f64> = irradiance.iter().zip(&self.incident.mean).map(|(h, i)| h - i).collect();
-        let found = self.factors.check(self.control)?.deviations(radiosity, &arriving, bands);
+        // Rays count what is buried as dark.
+        let enclosure = &self.factors.enclosure;
+        let on_all: Vec<f64> =
+            (0..arriving.len()).map(|k| arriving[k] * ratio(self.area[k / bands], enclosure.area(k / bands))).collect();
+        let found = self.factors.check(self.control)?.deviations(radiosity, &on_all, bands);
         let share = |part: f64, k: usize| ratio(part, found[k % bands].mean) * arriving[k];
         let own: Vec<f64> = (0..arriving.len())
             .map(|k| share(found[k % bands].error, k).hypot(self.incident.standard_error[k]))

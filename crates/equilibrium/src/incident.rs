@@ -3,6 +3,7 @@
 //! Lamps that shine alike, patches of one surface or a light without area, are a group, and what each group puts on a
 //! side for each unit of its strength is kept: so their light can be dimmed and coloured without a new ray.
 
+use crate::answer::ratio;
 use crate::lighting::{Lamp, Lighting, mean};
 use crate::solve::REPLICATES;
 use radiosity_exchange::luminaires::Luminaires;
@@ -10,6 +11,7 @@ use radiosity_exchange::{Enclosure, LightSample, Luminaire, Samples};
 use radiosity_operator::{Cancelled, Control};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Tests from every side, per replicate: shadows that cross a side are told by so many.
 const TESTS: (u32, u32) = (16, 1024);
@@ -31,6 +33,8 @@ pub struct Incident {
     pub(crate) tests: u64,
     luminaires: Luminaires,
     groups: Groups,
+    /// The share of each side on which no solid stands; empty where nobody asked. Means are over that.
+    exposed: Arc<Vec<f32>>,
     /// Sides x groups: mean and squared standard error for a strength of one.
     units: Vec<[f32; 2]>,
 }
@@ -97,6 +101,7 @@ impl Incident {
         enclosure: &Enclosure,
         lighting: &Lighting,
         luminaires: Luminaires,
+        exposed: Arc<Vec<f32>>,
         each: u32,
         seed: u64,
         control: &Control,
@@ -111,6 +116,7 @@ impl Incident {
             units: vec![[0.0; 2]; sides * kept],
             luminaires,
             groups,
+            exposed,
         };
         if incident.luminaires.list.is_empty() {
             return Ok(incident);
@@ -140,6 +146,7 @@ impl Incident {
             luminaires: self.luminaires.clone(),
             groups: Groups { of: groups.of.clone(), first: groups.first.clone() },
             units: self.units.clone(),
+            exposed: self.exposed.clone(),
         };
         let errors = relit.standard_error.par_chunks_mut(bands);
         let units = self.units.par_chunks(count.max(1));
@@ -166,6 +173,19 @@ impl Incident {
         left
     }
 
+    /// The area of each side on which no solid stands, m2.
+    pub(crate) fn exposed_areas(&self, enclosure: &Enclosure) -> Vec<f64> {
+        (0..enclosure.sides()).map(|side| enclosure.area(side) * self.exposed_share(side)).collect()
+    }
+
+    fn exposed_share(&self, side: usize) -> f64 {
+        self.exposed.get(side).map_or(1.0, |&share| f64::from(share))
+    }
+
+    pub(crate) fn exposed(&self) -> &Arc<Vec<f32>> {
+        &self.exposed
+    }
+
     /// Root mean square error over area, relative to the mean of `irradiance`.
     pub(crate) fn relative_error(&self, enclosure: &Enclosure, irradiance: &[f64], bands: usize) -> f64 {
         let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
@@ -175,7 +195,7 @@ impl Incident {
             level += area * mean(h);
             whole += area;
         }
-        crate::answer::ratio((squares * whole).sqrt(), level)
+        ratio((squares * whole).sqrt(), level)
     }
 
     fn test(
@@ -200,11 +220,13 @@ impl Incident {
             .clone()
             .into_par_iter()
             .map(|side| {
+                // What is buried receives nothing, and does not count.
+                let share = ratio(1.0, self.exposed_share(side)) / f64::from(each);
                 // Per replicate and group, for a strength of one.
                 let mut units = vec![[0.0; REPLICATES]; count];
                 for replicate in 0..REPLICATES {
                     for s in samples.replicate(side, replicate).flatten() {
-                        units[of[s.luminaire as usize] as usize][replicate] += f64::from(s.weight) / f64::from(each);
+                        units[of[s.luminaire as usize] as usize][replicate] += f64::from(s.weight) * share;
                     }
                 }
                 let band = |band: usize| -> (f64, f64) {

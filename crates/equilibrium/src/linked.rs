@@ -14,6 +14,7 @@ use crate::given::solve_with;
 use crate::incident::{self, Incident};
 use crate::lighting::{Lighting, mean};
 use crate::report::{Limit, Report, Seconds};
+use crate::shooting::exposure_of_sides;
 use crate::solve::{Failure, Settings, Solution};
 use radiosity_exchange::factors::{self, FormFactors, Method};
 use radiosity_exchange::{Enclosure, hierarchy};
@@ -44,9 +45,10 @@ pub fn solve_linked(
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
     let mut each = incident::tests(settings.accuracy);
+    let exposed = Arc::new(exposure_of_sides(enclosure, settings.seed, control)?);
     let test = |each: u32| -> Result<Arc<Incident>, Failure> {
         let lamps = lighting.luminaires(enclosure);
-        Ok(Arc::new(Incident::new(enclosure, lighting, lamps, each, settings.seed, control)?))
+        Ok(Arc::new(Incident::new(enclosure, lighting, lamps, exposed.clone(), each, settings.seed, control)?))
     };
     let mut incident = test(each)?;
     let light = Light::guessed(enclosure, lighting, &incident);

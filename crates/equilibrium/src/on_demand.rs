@@ -135,6 +135,7 @@ impl<'a> Task<'a> {
                 enclosure,
                 lighting,
                 without_area(lighting),
+                Arc::default(),
                 tests(settings.accuracy),
                 settings.seed,
                 control,

@@ -29,6 +29,11 @@ impl<'a> Cells<'a> {
         Self { enclosure, level }
     }
 
+    /// One a side.
+    pub fn whole(enclosure: &'a Enclosure) -> Self {
+        Self { enclosure, level: 0 }
+    }
+
     /// The number of cells.
     pub fn count(&self) -> usize {
         self.enclosure.sides() << (2 * self.level)

@@ -1,6 +1,7 @@
 //! How much of every cell is not buried under a solid that stands on it.
 
 use super::cells::Cells;
+use radiosity_exchange::Enclosure;
 use radiosity_exchange::enclosure::Landing;
 use radiosity_exchange::shots::is_buried;
 use radiosity_geometry::bvh::{Hit, Ray};
@@ -36,6 +37,11 @@ pub(super) fn exposure(cells: &Cells, seed: u64, control: &Control) -> Result<Ve
             },
         )
         .collect()
+}
+
+/// The same of whole sides.
+pub(crate) fn exposure_of_sides(enclosure: &Enclosure, seed: u64, control: &Control) -> Result<Vec<f32>, Cancelled> {
+    exposure(&Cells::whole(enclosure), seed, control)
 }
 
 fn buried(

@@ -34,6 +34,7 @@ mod rays;
 mod salvo;
 mod state;
 
+pub(crate) use exposure::exposure_of_sides;
 pub use parts::Parts;
 pub use state::{Shooting, StateError};
 

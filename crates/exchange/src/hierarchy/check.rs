@@ -54,7 +54,8 @@ impl Check {
         Ok(Self { sides, each: each as usize, targets })
     }
 
-    /// How far `arriving`, what every side receives of `sent`, is from what rays say; blocks of sides x columns.
+    /// How far `arriving`, what every side receives of `sent`, is from what rays say; blocks of sides x columns. What is
+    /// buried under a solid receives nothing, and means are over all of a side.
     pub fn deviations(&self, sent: &[f64], arriving: &[f64], columns: usize) -> Vec<Deviation> {
         (0..columns)
             .map(|c| self.deviation(&|side| sent[side * columns + c], &|side| arriving[side * columns + c]))
