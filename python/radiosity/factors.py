@@ -31,7 +31,7 @@ METHODS: tuple[Method, ...] = get_args(Method)
 DEFAULT_TOLERANCE = 1e-6
 """Wanted error of a form factor where the caller does not say."""
 
-DEFAULT_BLOCK_TOLERANCE = 5e-3
+DEFAULT_BLOCK_TOLERANCE = 1e-2
 """Wanted error of products of the method ``hierarchical`` where the caller does not say."""
 
 LEAST_BLOCK_TOLERANCE = 5e-4
@@ -343,7 +343,7 @@ def form_factors(
         tolerance: wanted error of a form factor, and of a row sum (default 1e-6). Nusselt's analog and hemicubes take
             points and hemicubes until both ends of pairs and successive answers agree as well, within limits;
             ``report.estimated_error`` says what was reached. For rays the standard error of one form factor at worst.
-            Of "hierarchical" the error of ``F @ x`` for x from 0 to 1, root mean square over area (default 5e-3, 5e-4
+            Of "hierarchical" the error of ``F @ x`` for x from 0 to 1, root mean square over area (default 1e-2, 5e-4
             at least).
         rays: rays per patch of "monte_carlo" (default 4,096), instead of a tolerance.
         resolution: pixels along an edge of a hemicube (default 512), even.

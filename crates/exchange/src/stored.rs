@@ -462,15 +462,22 @@ impl Stored for LinkBlock {
 }
 
 impl hierarchy::Tally {
-    fn to_array(self) -> [u64; 5] {
-        let Self { clear, sampled, mixed, rays, near_leaves } = self;
-        [clear, sampled, mixed, rays, near_leaves]
+    fn to_array(self) -> [u64; 6] {
+        let Self { clear, sampled, negligible, mixed, rays, near_leaves } = self;
+        [clear, sampled, mixed, rays, near_leaves, negligible]
     }
 
     /// Numbers that are missing are zero.
     fn from_array(counts: &[u64]) -> Self {
         let count = |k: usize| counts.get(k).copied().unwrap_or(0);
-        Self { clear: count(0), sampled: count(1), mixed: count(2), rays: count(3), near_leaves: count(4) }
+        Self {
+            clear: count(0),
+            sampled: count(1),
+            mixed: count(2),
+            rays: count(3),
+            near_leaves: count(4),
+            negligible: count(5),
+        }
     }
 }
 

@@ -103,15 +103,20 @@ impl Far {
         self.ends.iter_mut().for_each(End::attenuate);
     }
 
+    /// The greater form factor of one whole end to the other, weighed by what matters.
+    pub fn factor(&self, clusters: &Clusters) -> f64 {
+        let [a, b] = &self.ends;
+        let factor = |end: &End, other: &End| {
+            let area: f64 = clusters.middles[6][end.range.clone()].iter().sum();
+            end.sums.iter().sum::<f64>() / area * importance(other, clusters).max(1.0)
+        };
+        factor(a, b).max(factor(b, a))
+    }
+
     /// Whether the rays say that halves of one end see the halves of the other so differently that more than `allowed`
     /// of a form factor is at stake: then the block is not the product of what each facet sees.
     pub fn is_mixed(&self, clusters: &Clusters, nodes: [&Node; 2], allowed: f64) -> bool {
-        let [a, b] = &self.ends;
-        let factor = |end: &End| {
-            let area: f64 = clusters.middles[6][end.range.clone()].iter().sum();
-            end.sums.iter().sum::<f64>() / area
-        };
-        let factor = factor(a).max(factor(b));
+        let factor = self.factor(clusters);
         if factor <= allowed {
             return false;
         }
@@ -144,15 +149,9 @@ impl Far {
         let factors = |end: &End| {
             end.sums.iter().zip(&clusters.middles[6][end.range.clone()]).map(|(s, area)| s / area).sum::<f64>()
         };
-        let importance = |end: &End| match clusters.importance.get(end.range.clone()) {
-            Some(all) if !all.is_empty() => {
-                end.sums.iter().zip(all).map(|(s, w)| s * w).sum::<f64>() / end.sums.iter().sum::<f64>()
-            }
-            _ => 1.0,
-        };
         let [a, b] = &self.ends;
         let most = MOST_RAYS_A_FACET * a.sums.len().max(b.sums.len());
-        let wanted = (factors(a) * importance(b)).max(factors(b) * importance(a)) / share;
+        let wanted = (factors(a) * importance(b, clusters)).max(factors(b) * importance(a, clusters)) / share;
         (wanted.ceil() as usize).clamp(LEAST_RAYS, most)
     }
 
@@ -213,6 +212,16 @@ impl Far {
 }
 
 const TWO_32: f64 = 4_294_967_296.0;
+
+/// How much more than the mean what an end sends to the other matters.
+fn importance(end: &End, clusters: &Clusters) -> f64 {
+    match clusters.importance.get(end.range.clone()) {
+        Some(all) if !all.is_empty() => {
+            end.sums.iter().zip(all).map(|(s, w)| s * w).sum::<f64>() / end.sums.iter().sum::<f64>()
+        }
+        _ => 1.0,
+    }
+}
 
 /// Three or four points.
 #[derive(Clone, Copy)]

@@ -53,9 +53,16 @@ impl Settings {
     /// What a tolerance needs.
     pub fn new(tolerance: f64, seed: u64) -> Self {
         let separation = (0.6 * (200.0 * tolerance).cbrt()).clamp(0.2, 0.7);
-        Self { tolerance, seed, separation, ray_share: 10.0 * tolerance * tolerance, near: 4.0 * tolerance }
+        Self { tolerance, seed, separation, ray_share: 10.0 * tolerance * tolerance, near: 2.0 * tolerance }
     }
 }
+
+/// Links of less than this share of the tolerance are left out. A side has some thirty of about one size, and on open
+/// terrain what is farther is less by more than the size grows: all of it is less than a fifth of the tolerance.
+const NEGLIGIBLE: f64 = 1.0 / 400.0;
+
+/// Links of less than this share of the tolerance may be nearer for their size.
+const LITTLE: f64 = 1.0 / 12.0;
 
 /// The share of the tolerance that a block may err by where it is no product of two vectors.
 const MIXED_SHARE: f64 = 0.25;
@@ -67,6 +74,8 @@ pub struct Tally {
     pub clear: u64,
     /// Links with rays.
     pub sampled: u64,
+    /// Links that were left out, as next to nothing goes through them.
+    pub negligible: u64,
     /// Links that were given up for those of their parts, as who sees whom is no product of two shares.
     pub mixed: u64,
     /// Their rays.
@@ -81,6 +90,7 @@ impl Tally {
         Self {
             clear: self.clear + other.clear,
             sampled: self.sampled + other.sampled,
+            negligible: self.negligible + other.negligible,
             mixed: self.mixed + other.mixed,
             rays: self.rays + other.rays,
             near_leaves: self.near_leaves + other.near_leaves,
@@ -197,10 +207,16 @@ impl<'a> Links<'a> {
         for &pair in task {
             open.push(pair);
             while let Some((a, b)) = open.pop() {
-                match self.clusters.relation(a, b, self.settings.separation, self.blockers.contact) {
+                let relation = self.clusters.relation(a, b, self.settings.separation, self.blockers.contact);
+                // What may go through a link.
+                let most = match relation {
+                    Relation::Wide => LITTLE * self.settings.tolerance,
+                    _ => f64::INFINITY,
+                };
+                match relation {
                     Relation::None => {}
-                    Relation::Far if self.link(a, b, far, &mut part, &mut tally) => {}
-                    Relation::Far => match self.clusters.split(a, b) {
+                    Relation::Far | Relation::Wide if self.link(a, b, most, far, &mut part, &mut tally) => {}
+                    Relation::Far | Relation::Wide => match self.clusters.split(a, b) {
                         Relation::Split(pairs) => open.extend(pairs.into_iter().flatten().rev()),
                         _ => near.push((a, b)),
                     },
@@ -225,10 +241,19 @@ impl<'a> Links<'a> {
         LinkBlock { tally, pairs, part: part.build() }
     }
 
-    /// Adds the link of two clusters that are apart; false if their parts must be linked instead.
-    fn link(&self, a: usize, b: usize, far: &mut Far, part: &mut PartBuilder, tally: &mut Tally) -> bool {
+    /// Adds the link of two clusters that are apart; false if their parts must be linked instead, as more than `most`
+    /// goes through it or it is no product.
+    fn link(&self, a: usize, b: usize, most: f64, far: &mut Far, part: &mut PartBuilder, tally: &mut Tally) -> bool {
         let nodes = &self.clusters.facets.nodes;
         if !far.unoccluded(&self.clusters, &nodes[a], &nodes[b]) {
+            return true;
+        }
+        let factor = far.factor(&self.clusters);
+        if factor > most {
+            return false;
+        }
+        if factor < NEGLIGIBLE * self.settings.tolerance {
+            tally.negligible += 1;
             return true;
         }
         let shaft = Shaft::new(nodes[a].bounds, nodes[b].bounds, self.blockers.contact);

@@ -12,6 +12,8 @@ pub enum Relation {
     None,
     /// They are well apart for their size.
     Far,
+    /// They are apart enough if little goes between.
+    Wide,
     /// Leaves that are not.
     Near,
     /// Their parts tell.
@@ -21,6 +23,9 @@ pub enum Relation {
 /// Facets of the clusters whose pairs with all after them are one piece of work: so many that near pairs of neighbours
 /// are found in the same piece, so few that an interrupted build loses little.
 const MOST_IN_TASK: usize = 1024;
+
+/// The sum of radii over the distance below which clusters may be linked through which little goes.
+const WIDE: f64 = 1.2;
 
 /// At least so many pieces of work, so that threads have enough.
 const FEWEST_TASKS: usize = 64;
@@ -79,6 +84,9 @@ impl Clusters {
         let distance = middle(first).distance(middle(second));
         if ra + rb <= separation * distance {
             return Relation::Far;
+        }
+        if ra + rb <= WIDE * distance {
+            return Relation::Wide;
         }
         self.split(a, b)
     }
