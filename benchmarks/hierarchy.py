@@ -59,9 +59,7 @@ def arguments() -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(description="Growth of a hierarchical exchange")
     parser.add_argument("--scenes", nargs="+", choices=["crater", "room"], default=["crater", "room"])
-    parser.add_argument(
-        "--counts", type=int, nargs="+", default=[1_000, 4_000, 16_000, 64_000, 250_000, 1_000_000]
-    )
+    parser.add_argument("--counts", type=int, nargs="+", default=[1_000, 4_000, 16_000, 64_000, 250_000, 1_000_000])
     parser.add_argument("--tolerance", type=float, default=0.02)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--child", type=int, help=argparse.SUPPRESS)
@@ -87,9 +85,7 @@ def measure(scene: str, count: int, args: argparse.Namespace) -> Size:
     )
     _ = patches._enclosure  # the ray hierarchy, which all methods need
     start = perf_counter()
-    F = radiosity.form_factors(
-        patches, method="hierarchical", tolerance=args.tolerance, threads=args.threads
-    )
+    F = radiosity.form_factors(patches, method="hierarchical", tolerance=args.tolerance, threads=args.threads)
     seconds = perf_counter() - start
     peak = peak_mib()
     x = np.random.default_rng(1).random(F.shape[0])

@@ -12,13 +12,16 @@ import pytest
 
 BUILD = """
 import sys, radiosity
-patches = radiosity.scenes.cornell_box().patches(count=1200)
-radiosity.form_factors(patches, tolerance=1e-3, checkpoint=sys.argv[1])
+patches = radiosity.scenes.cornell_box().patches(count=int(sys.argv[2]))
+radiosity.form_factors(patches, method=sys.argv[3], tolerance=1e-3, checkpoint=sys.argv[1])
 """
 
+BUILDS = {"auto": 1200, "hierarchical": 8000}
+"""Methods that write block by block, and patches for which that takes some seconds."""
 
-def start(path: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen([sys.executable, "-c", BUILD, str(path)])
+
+def start(path: Path, method: str) -> subprocess.Popen[bytes]:
+    return subprocess.Popen([sys.executable, "-c", BUILD, str(path), str(BUILDS[method]), method])
 
 
 def size(path: Path) -> int:
@@ -36,8 +39,9 @@ def kill_at(process: subprocess.Popen[bytes], partial: Path, delay: float, wait_
 
 
 @pytest.mark.slow
-def test_killed_twenty_times(tmp_path: Path) -> None:
-    start(tmp_path / "whole.exchange").wait()
+@pytest.mark.parametrize("method", BUILDS)
+def test_killed_twenty_times(tmp_path: Path, method: str) -> None:
+    start(tmp_path / "whole.exchange", method).wait()
     content = (tmp_path / "whole.exchange").read_bytes()
     path, rng, kills, whole = tmp_path / "F.exchange", random.Random(4), 0, 0
     partial = path.with_name("F.exchange.partial")
@@ -45,14 +49,14 @@ def test_killed_twenty_times(tmp_path: Path) -> None:
     while kills < 20:
         # Half of them as the process starts, opens the partial file and checks it; half soon after a block.
         soon = rng.random() < 0.5
-        kill_at(start(path), partial, rng.uniform(0, 1.0) if soon else rng.uniform(0, 0.1), not soon)
+        kill_at(start(path, method), partial, rng.uniform(0, 1.0) if soon else rng.uniform(0, 0.1), not soon)
         kills += 1
         grown.append(size(partial))
         if path.exists():
             assert path.read_bytes() == content
             path.unlink()
             whole += 1
-    start(path).wait()
+    start(path, method).wait()
     assert path.read_bytes() == content
     assert not partial.exists()
     assert len(set(grown)) > 5, "builds were killed at different places"

@@ -28,6 +28,9 @@ Method = Literal["auto", "analytic", "contour", "nusselt", "hemicube", "monte_ca
 METHODS: tuple[Method, ...] = get_args(Method)
 """The names of all methods."""
 
+SINGLE_METHODS: tuple[Method, ...] = tuple(name for name in METHODS if name != "hierarchical")
+"""Those that measure single form factors."""
+
 DEFAULT_TOLERANCE = 1e-6
 """Wanted error of a form factor where the caller does not say."""
 
@@ -234,6 +237,8 @@ class FormFactors(LinearOperator):  # type: ignore[misc]
             ValueError: sums that are not in [0, 1], or that no reciprocal factors have, such as 1 for two plates of
                 different area that see only each other.
         """
+        if self.report.method == "hierarchical":
+            raise ValueError("the exchange is hierarchical and keeps no single form factors: measure with method auto")
         if what != "closure":
             raise ValueError(f"there is nothing to enforce by the name '{what}'; closure can be")
         wanted = np.broadcast_to(np.asarray(sums, dtype=np.float64), self.shape[:1])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -165,15 +166,15 @@ def solve(
             it is relit in no time. Or form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by
             patch. Left out, the engine chooses by size, accuracy and memory; ``report.why`` says why.
         solver: how the equations are solved (default "conjugate_gradient"; where nothing else fits, and ``transport``
-            is left out too, the engine chooses "shooting"). "conjugate_gradient" takes fewest products where much is reflected.
-            "jacobi" is light bounce by bounce, "gauss_seidel" patch by patch, and "over_relaxation" the same with
-            longer steps. "southwell" is progressive refinement: the patch with most unshot power shoots, and most of
-            the light is there after a few shots; "overshooting" shoots for what is still to come as well, and takes
-            fewer shots where much is reflected. These two need no matrix: without ``transport`` each patch is drawn on
-            hemicubes when it shoots, as many as the accuracy takes, and only patches that shoot are. "shooting" takes no
-            form factors at all: power is shot as rays until little is left, and memory is about 400 bytes a patch
-            (three bands) however many rays; for scenes too large for anything else. Its solution can be refined, see
-            :class:`radiosity.shooting.ShootingSolution`.
+            is left out too, the engine chooses "shooting"). "conjugate_gradient" takes fewest products where much is
+            reflected. "jacobi" is light bounce by bounce, "gauss_seidel" patch by patch, and "over_relaxation" the
+            same with longer steps. "southwell" is progressive refinement: the patch with most unshot power shoots, and
+            most of the light is there after a few shots; "overshooting" shoots for what is still to come as well, and
+            takes fewer shots where much is reflected. These two need no matrix: without ``transport`` each patch is
+            drawn on hemicubes when it shoots, as many as the accuracy takes, and only patches that shoot are.
+            "shooting" takes no form factors at all: power is shot as rays until little is left, and memory is about
+            400 bytes a patch (three bands) however many rays; for scenes too large for anything else. Its solution can
+            be refined, see :class:`radiosity.shooting.ShootingSolution`.
         max_iterations: most products, sweeps or shots; as many as it takes by default. Where they end a solve,
             ``report.converged`` is False and ``report.limited_by`` "solver".
         on_iterate: called with a :class:`Snapshot` before the first iteration and after each; the solve waits for it,
@@ -197,17 +198,15 @@ def solve(
     patches = scene if isinstance(scene, Patches) else scene.patches(count=DEFAULT_PATCHES)
     patches.scene.validate()
     memory, why = memory_or_most(memory_limit), ""
-    is_open = closure == "balanced" and max_rays == MAX_RAYS and start is None and time_limit is None
-    if transport is None and solver is None and is_open:
+    limits_shooting = time_limit is not None or start is not None
+    if transport is None and solver is None and closure == "balanced" and max_rays == MAX_RAYS and not limits_shooting:
         way, why = choose(patches, accuracy, memory)
         transport, solver = (None, "shooting") if way == "shooting" else (way, None)
-    if solver == "shooting" or (solver is None and (start is not None or time_limit is not None)):
+    if solver == "shooting" or (solver is None and limits_shooting):
         if transport is not None:
             raise ValueError("shooting has no transport: leave it out, or choose another solver")
         if max_iterations is not None or on_iterate is not None:
-            raise ValueError(
-                "shooting has rounds, not iterations: use max_rays or time_limit; refine shows it in steps"
-            )
+            raise ValueError("shooting has rounds, not iterations: use max_rays or time_limit, and refine to watch it")
         from radiosity.shooting import shoot  # noqa: PLC0415
 
         return shoot(
@@ -215,7 +214,7 @@ def solve(
             start=start, threads=threads, seed=seed, progress=progress, why=why,
         )  # fmt: skip
     solver = solver or "conjugate_gradient"
-    if time_limit is not None or start is not None:
+    if limits_shooting:
         raise ValueError(f"time_limit and start are for solver='shooting', not for '{solver}'")
     exact, threads, seed = _is_exact(closure), threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
     most = None if max_iterations is None else whole(max_iterations, "max_iterations", 0, 2**63 - 1)
@@ -224,37 +223,37 @@ def solve(
         "seed": seed,
     }  # fmt: skip
     light = (patches.reflectance, patches.emission, _lamps(patches.scene), accuracy)
-    show = handed_to(on_iterate, patches, patches.reflectance)
-    if isinstance(transport, FormFactors):
-        if transport.patches is not patches:
-            raise ValueError("transport was measured on other patches; pass those patches to solve")
-        native = transport._native.solve(*light, solver, seed, memory, most, threads, progress, show)
-        made = "given"
-    elif transport == "hierarchical":
-        native = _native.solve_linked(
-            patches._enclosure, *light, seed, memory, solver, most, threads, progress, show
-        )  # fmt: skip
-        made = "hierarchical"
-    elif transport not in (None, "sampled"):
-        raise ValueError(f"there is no transport '{transport}'; choose sampled or hierarchical, or pass form factors")
-    elif solver in PROGRESSIVE:
-        if transport == "sampled":
-            raise ValueError(f"{solver} shoots from rows, not samples: leave out transport, or pass form factors")
-        native = _native.solve_on_demand(
-            patches._enclosure, *light, seed, memory, solver, most, threads, progress, show
-        )  # fmt: skip
-        made = "on_demand"
-    elif on_iterate is not None:
-        raise ValueError(
-            "a solve that samples has no iterations to show: pass transport, or a solver that shoots"
-        )  # fmt: skip
-    else:
+    made, run = _way(patches, transport, solver)
+    if made == "sampled":
+        if on_iterate is not None:
+            raise ValueError("a solve that samples has no iterations to show: pass transport, or a solver that shoots")
         rays = whole(max_rays, "max_rays", 1, 2**32 - 1)
         native = _native.solve(
             patches._enclosure, *light, seed, rays, memory, solver, exact, most, threads, progress
         )  # fmt: skip
-        made = "sampled"
+    else:
+        show = handed_to(on_iterate, patches, patches.reflectance)
+        native = run(*light, seed, memory, solver, most, threads, progress, show)
     return Solution(patches, native, patches.reflectance, patches.emission, options, made, why)
+
+
+def _way(
+    patches: Patches, transport: FormFactors | Transport | None, solver: str
+) -> tuple[str, Callable[..., _native.Solution]]:
+    """What the equations are solved on, by name, and what solves on it."""
+    if isinstance(transport, FormFactors):
+        if transport.patches is not patches:
+            raise ValueError("transport was measured on other patches; pass those patches to solve")
+        return "given", transport._native.solve
+    if transport not in (None, "sampled", "hierarchical"):
+        raise ValueError(f"there is no transport '{transport}'; choose sampled or hierarchical, or pass form factors")
+    if transport == "hierarchical":
+        return "hierarchical", partial(_native.solve_linked, patches._enclosure)
+    if solver in PROGRESSIVE:
+        if transport == "sampled":
+            raise ValueError(f"{solver} shoots from rows, not samples: leave out transport, or pass form factors")
+        return "on_demand", partial(_native.solve_on_demand, patches._enclosure)
+    return "sampled", partial(_native.solve, patches._enclosure)
 
 
 def _is_exact(closure: str) -> bool:

@@ -14,7 +14,7 @@ from known import ADJACENT, CUBE, INWARD, OPPOSITE, VIEW3D_CUBE, Call, Runner, c
 
 import radiosity
 from radiosity.cli.failure import ExitCode, diagnose
-from radiosity.factors import METHODS
+from radiosity.factors import SINGLE_METHODS
 
 SCENES = Path(__file__).parents[2] / "scenes"
 ROOM, DUCT, PIPE = SCENES / "room.vs3", SCENES / "corner.stl", SCENES / "corner.ply"
@@ -240,7 +240,7 @@ def test_a_tolerance_that_is_not_reached(call: Call, cube: str, tmp_path: Path) 
 def test_methods_side_by_side(call: Call, cube: str) -> None:
     content = told(call, cube, "--compare", "--rays", 1 << 14, "--hemicubes", 16)
     rows = {row["method"]: row for row in content["methods"]}
-    assert tuple(rows) == METHODS
+    assert tuple(rows) == SINGLE_METHODS
     assert content["enclosure"] is True
     # All is in full view, so that contour integrals are the reference.
     assert content["reference"]["method"] == "contour"
@@ -255,7 +255,7 @@ def test_methods_side_by_side(call: Call, cube: str) -> None:
     assert rows["hemicube"]["settings"] == "16 x 512 px"
     assert rows["hemicube"]["disagreement"] > 0
     shown = call("factors", cube, "--compare")
-    assert [line.split()[0] for line in shown.splitlines()[3:9]] == list(METHODS)
+    assert [line.split()[0] for line in shown.splitlines()[3:9]] == list(SINGLE_METHODS)
     assert "reference   contour to 1e-08" in shown
 
 

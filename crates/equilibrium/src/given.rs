@@ -78,9 +78,15 @@ pub(crate) fn solve_with(
     let tested = task.emission.iter().zip(&task.exchanged).map(|(e, x)| e - x);
     let radiosity: Vec<f64> = exchanged.iter().zip(tested).map(|(b, e)| b + e).collect();
     let energy = task.energy(&radiosity, &irradiance);
+    // The answer is the mean over all of a side, of which what is buried is dark.
+    let (irradiance, error) = (task.over_all(irradiance), task.over_all(error));
+    let is_whole = |k: usize| task.area[k / lighting.bands] == factors.enclosure.area(k / lighting.bands);
+    let radiosity: Vec<f64> = (0..radiosity.len())
+        .map(|k| if is_whole(k) { radiosity[k] } else { task.emission[k] + task.reflectance[k] * irradiance[k] })
+        .collect();
     let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
     for (k, h) in irradiance.iter().enumerate() {
-        let area = task.area[k / lighting.bands];
+        let area = factors.enclosure.area(k / lighting.bands);
         squares += area * error[k] * error[k];
         level += area * h;
         whole += area;
@@ -170,6 +176,16 @@ impl<'a> Task<'a> {
         }
     }
 
+    /// Means over what is exposed as means over all.
+    fn over_all(&self, mut values: Vec<f64>) -> Vec<f64> {
+        let bands = self.lighting.bands;
+        for (side, values) in values.chunks_exact_mut(bands).enumerate() {
+            let share = ratio(self.area[side], self.factors.enclosure.area(side));
+            values.iter_mut().for_each(|v| *v *= share);
+        }
+        values
+    }
+
     fn options(&self) -> SolveOptions<'static> {
         // Blocks of rank one are not worth more than the accuracy that they were made for.
         let relative =
@@ -245,9 +261,7 @@ impl<'a> Task<'a> {
         let bands = self.lighting.bands;
         let arriving: Vec<f64> = irradiance.iter().zip(&self.incident.mean).map(|(h, i)| h - i).collect();
         // Rays count what is buried as dark.
-        let enclosure = &self.factors.enclosure;
-        let on_all: Vec<f64> =
-            (0..arriving.len()).map(|k| arriving[k] * ratio(self.area[k / bands], enclosure.area(k / bands))).collect();
+        let on_all = self.over_all(arriving.clone());
         let found = self.factors.check(self.control)?.deviations(radiosity, &on_all, bands);
         let share = |part: f64, k: usize| ratio(part, found[k % bands].mean) * arriving[k];
         let own: Vec<f64> = (0..arriving.len())

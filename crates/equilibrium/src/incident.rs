@@ -191,7 +191,8 @@ impl Incident {
         let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
         for (side, (e, h)) in self.standard_error.chunks(bands).zip(irradiance.chunks(bands)).enumerate() {
             let area = enclosure.area(side);
-            squares += area * e.iter().map(|e| e * e).sum::<f64>() / bands as f64;
+            let share = self.exposed_share(side);
+            squares += area * share * share * e.iter().map(|e| e * e).sum::<f64>() / bands as f64;
             level += area * mean(h);
             whole += area;
         }
@@ -216,7 +217,7 @@ impl Incident {
         let strengths: Vec<&[f64]> =
             self.groups.first.iter().map(|&k| strength(&self.luminaires, lighting, enclosure, k)).collect();
         let of = &self.groups.of;
-        let found: Vec<(Vec<f64>, Vec<f64>, Vec<[f32; 2]>)> = sides
+        let found: Vec<Tested> = sides
             .clone()
             .into_par_iter()
             .map(|side| {
@@ -224,11 +225,11 @@ impl Incident {
                 let share = ratio(1.0, self.exposed_share(side)) / f64::from(each);
                 // Per replicate and group, for a strength of one.
                 let mut units = vec![[0.0; REPLICATES]; count];
-                for replicate in 0..REPLICATES {
+                (0..REPLICATES).for_each(|replicate| {
                     for s in samples.replicate(side, replicate).flatten() {
                         units[of[s.luminaire as usize] as usize][replicate] += f64::from(s.weight) * share;
                     }
-                }
+                });
                 let band = |band: usize| -> (f64, f64) {
                     spread(&std::array::from_fn(|r| units.iter().zip(&strengths).map(|(u, s)| s[band] * u[r]).sum()))
                 };
@@ -250,6 +251,9 @@ impl Incident {
         Ok(())
     }
 }
+
+/// Of a side: means and errors by band, and what it receives of each group for a strength of one.
+type Tested = (Vec<f64>, Vec<f64>, Vec<[f32; 2]>);
 
 /// The mean of replicates and the square of its standard error.
 fn spread(values: &[f64; REPLICATES]) -> (f64, f64) {

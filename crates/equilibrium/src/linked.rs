@@ -65,31 +65,43 @@ pub fn solve_linked(
         sampling += before.elapsed().as_secs_f64();
         let solution = solve_with(&built, incident.clone(), lighting, settings, observer, Instant::now(), control)?;
         let error = solution.report.estimated_error;
-        let is_enough = error <= settings.accuracy;
+        let size = patch_size(&incident.left(&solution.radiosity, lighting.bands), &solution, &built, lighting.bands);
+        // What the size of patches leaves to the rest.
+        let allowed = (settings.accuracy.powi(2) - size * size).max(0.25 * settings.accuracy.powi(2)).sqrt();
+        let is_enough = error <= allowed;
         // What the lamps add to the error, and what the exchange does.
         let direct = incident.relative_error(enclosure, &solution.irradiance, lighting.bands);
         let indirect = (error * error - direct * direct).max(0.0).sqrt();
-        let more_tests = direct > SHARE * settings.accuracy && each < incident::MOST_TESTS;
-        let finer = indirect > SHARE * settings.accuracy && tolerance > TOLERANCES.0;
+        let more_tests = direct > SHARE * allowed && each < incident::MOST_TESTS;
+        let finer = indirect > SHARE * allowed && tolerance > TOLERANCES.0;
         if is_enough || round == MOST_ROUNDS || !(more_tests || finer) {
-            let factors = built;
             let seconds = Seconds { sampling, total: start.elapsed().as_secs_f64(), ..solution.report.seconds };
-            let limited_by = if is_enough { Limit::Accuracy } else { Limit::Tolerance };
-            let rays = rays + rays_of(&factors);
-            let report =
-                Report { rays, rounds: round, seconds, limited_by: Some(limited_by), ..solution.report.clone() };
-            let sent = incident.left(&solution.radiosity, lighting.bands);
-            return Ok(with_patch_size(Solution { report, ..solution }, &sent, &factors, lighting, settings));
+            let estimated_error = error.hypot(size);
+            let limited_by = match is_enough {
+                true if estimated_error <= settings.accuracy => Limit::Accuracy,
+                true => Limit::PatchSize,
+                false => Limit::Tolerance,
+            };
+            let report = Report {
+                rays: rays + rays_of(&built),
+                rounds: round,
+                seconds,
+                estimated_error,
+                discretisation_error: size,
+                limited_by: Some(limited_by),
+                ..solution.report.clone()
+            };
+            return Ok(Solution { report, ..solution });
         }
         rays += rays_of(&built);
         let before = Instant::now();
         if more_tests {
-            let wanted = f64::from(each) * (direct / (0.6 * settings.accuracy)).powf(1.0 / RATE);
+            let wanted = f64::from(each) * (direct / (SHARE * allowed)).powf(1.0 / RATE);
             each = (wanted as u32).next_power_of_two().min(incident::MOST_TESTS);
             incident = test(each)?;
         }
         if finer {
-            tolerance = (0.6 * tolerance * settings.accuracy / indirect).max(TOLERANCES.0);
+            tolerance = (SHARE * tolerance * allowed / indirect).max(TOLERANCES.0);
             importance = importance_of(enclosure, &incident.left(&solution.radiosity, lighting.bands), lighting.bands);
         } else {
             factors = Some(built);
@@ -181,15 +193,9 @@ fn importance_of(enclosure: &Enclosure, radiosity: &[f64], bands: usize) -> Vec<
     radiosity.chunks_exact(bands).map(|b| ratio(mean(b), level).max(LEAST_IMPORTANCE)).collect()
 }
 
-/// Adds to the report what seeing patches at constant radiosity leaves.
-fn with_patch_size(
-    solution: Solution,
-    sent: &[f64],
-    factors: &FormFactors,
-    lighting: &Lighting,
-    settings: &Settings,
-) -> Solution {
-    let (bands, enclosure) = (lighting.bands, &factors.enclosure);
+/// What seeing patches at constant radiosity leaves: root mean square over area, relative to the mean irradiance.
+fn patch_size(sent: &[f64], solution: &Solution, factors: &FormFactors, bands: usize) -> f64 {
+    let enclosure = &factors.enclosure;
     let difference = coarser(factors, sent, bands);
     let mut image = vec![0.0; difference.len()];
     factors.operator.apply(&difference, &mut image, bands);
@@ -202,15 +208,7 @@ fn with_patch_size(
             whole += area;
         }
     }
-    let discretisation_error = 0.5 * ratio((squares * whole).sqrt(), level);
-    let before = &solution.report;
-    let estimated_error = before.estimated_error.hypot(discretisation_error);
-    let limited_by = match before.limited_by {
-        Some(Limit::Accuracy) if estimated_error > settings.accuracy => Some(Limit::PatchSize),
-        other => other,
-    };
-    let report = Report { discretisation_error, estimated_error, limited_by, ..before.clone() };
-    Solution { report, ..solution }
+    0.5 * ratio((squares * whole).sqrt(), level)
 }
 
 /// What radiosity changes by where neighbours that face alike are seen at their mean.

@@ -63,7 +63,8 @@ impl StoredFactors {
         let operator = if file.kind() == LINKS {
             let parts = file.with_role(role::BLOCK).map(|mut s| Ok(LinkBlock::from_sections(&mut s)?.part));
             let parts = parts.collect::<Result<_, StoreError>>()?;
-            Exchange::Links(Hierarchical::from_stored(sides, order.clone(), parts).map_err(|what| last.damaged(what))?)
+            let links = Hierarchical::from_stored(sides, order.clone(), parts).map_err(|what| last.damaged(what))?;
+            Exchange::Links(if file.length() > memory_limit { links.frugal() } else { links })
         } else {
             let blocks = file.with_role(role::BLOCK).map(|mut s| Ok(PairBlock::from_sections(&mut s)?.block));
             Exchange::Pairs(joined(blocks.collect::<Result<_, StoreError>>()?)?)

@@ -22,6 +22,8 @@ pub struct Hierarchical {
     /// Position in the matrix -> number. Numbers that are missing have empty rows.
     order: Vec<u32>,
     parts: Vec<Part>,
+    /// Whether parts that are mapped are let go of after each product.
+    is_frugal: bool,
     /// Who is in which block, once somebody wants many rows one by one.
     index: OnceLock<Index>,
 }
@@ -133,6 +135,15 @@ impl Part {
     /// The number of near pairs.
     pub fn pairs(&self) -> usize {
         self.columns.len()
+    }
+
+    fn release(&self) {
+        self.links.release();
+        self.weights.release();
+        self.rows.release();
+        self.offsets.release();
+        self.columns.release();
+        self.values.release();
     }
 
     /// Numbers that a product reads.
@@ -255,7 +266,7 @@ fn most_groups(len: usize) -> usize {
 impl Hierarchical {
     /// Joins parts. Their blocks must not overlap and lie above the diagonal, in positions of `order`.
     pub fn new(len: usize, order: Vec<u32>, parts: Vec<Part>) -> Self {
-        Self { len, order, parts, index: OnceLock::new() }
+        Self { len, order, parts, is_frugal: false, index: OnceLock::new() }
     }
 
     /// The same of parts out of a file, in which anything may be.
@@ -267,12 +278,29 @@ impl Hierarchical {
         Ok(Self::new(len, order, parts))
     }
 
+    /// The same, of which no more stays in memory than is at work, where it is in a mapped file: each product finds its
+    /// pages anew.
+    pub fn frugal(self) -> Self {
+        Self { is_frugal: true, ..self }
+    }
+
+    /// After a use of a part.
+    fn done_with(&self, part: &Part) {
+        if self.is_frugal {
+            part.release();
+        }
+    }
+
     /// Checks that all blocks lie within the matrix and have their numbers.
     ///
     /// # Errors
     /// If one does not, in words. What is read of such a matrix panics or is wrong.
     pub fn check_indices(&self) -> Result<(), String> {
-        self.parts.par_iter().try_for_each(|part| part.check(self.order.len()))
+        self.parts.par_iter().try_for_each(|part| {
+            let checked = part.check(self.order.len());
+            self.done_with(part);
+            checked
+        })
     }
 
     /// The parts, in order.
@@ -326,7 +354,10 @@ impl Hierarchical {
             .into_par_iter()
             .map(|group| {
                 let mut sum = vec![[0.0; C]; n];
-                self.parts[group].iter().for_each(|part| part.add_product(&x, &mut sum));
+                self.parts[group].iter().for_each(|part| {
+                    part.add_product(&x, &mut sum);
+                    self.done_with(part);
+                });
                 sum
             })
             .collect();

@@ -318,7 +318,7 @@ impl Factors {
     }
 
     /// Solves `B = E + rho F B` on these form factors as they are.
-    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, seed, memory_limit, max_iterations=None,
+    #[pyo3(signature = (reflectance, emission, lamps, accuracy, seed, memory_limit, method, max_iterations=None,
                         threads=None, progress=None, on_iterate=None))]
     fn solve(
         &self,
@@ -327,9 +327,9 @@ impl Factors {
         emission: PyReadonlyArray2<'_, f64>,
         lamps: Vec<LightTuple>,
         accuracy: f64,
-        method: &str,
         seed: u64,
         memory_limit: u64,
+        method: &str,
         max_iterations: Option<usize>,
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,

@@ -61,7 +61,7 @@ def compare(
         Stop: there are more patches than ``max_patches``. ResourceError: one method does not fit the memory.
     """
     from radiosity import diagnosis
-    from radiosity.factors import METHODS
+    from radiosity.factors import SINGLE_METHODS
 
     if len(patches) > max_patches:
         raise Stop(
@@ -70,7 +70,7 @@ def compare(
             f"--max-patches {len(patches)}",
         )
     tolerance = _tolerance(settings)
-    found = {method: _measured(file, patches, _settings_of(method, settings), quiet) for method in METHODS}
+    found = {method: _measured(file, patches, _settings_of(method, settings), quiet) for method in SINGLE_METHODS}
     is_open = not found["auto"].report.pairs_partly_hidden
     tight = {"method": "contour" if is_open else "auto", "tolerance": tolerance / TIGHTER}
     reference = _measured(file, patches, _common(settings) | tight, quiet, "reference")

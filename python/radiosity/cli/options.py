@@ -57,10 +57,20 @@ TimeLimit = Annotated[
 ]
 Memory = Annotated[str | None, typer.Option(metavar="SIZE", help="Memory to stay within, such as 4GB or 500MiB.")]
 Solver = Annotated[
-    str,
+    str | None,
     typer.Option(
         help="How the equations are solved: conjugate_gradient, jacobi, gauss_seidel, over_relaxation; or by shooting "
-        "from the brightest patch, without a matrix: southwell, overshooting; or by rays that carry power, for scenes too large for anything else: shooting."
+        "from the brightest patch, without a matrix: southwell, overshooting; or by rays that carry power, for scenes "
+        "too large for anything else: shooting. Chosen by default.",
+        show_default=False,
+    ),
+]
+Transport = Annotated[
+    str | None,
+    typer.Option(
+        help="What they are solved on: sampled, what every patch sees; or hierarchical, an exchange in blocks, for "
+        "many patches. Chosen by default.",
+        show_default=False,
     ),
 ]
 MaxIterations = Annotated[

@@ -23,6 +23,7 @@ _REMEDIES = {
     "patch_size": "light varies too much within patches; give more with --patches or --max-edge",
     "time": "the time was up; raise --time-limit",
     "memory": "more samples would not fit the memory; raise --memory or give fewer patches",
+    "tolerance": "blocks get no more exact; use --transport sampled, or fewer patches",
     "solver": "the solver did not converge; raise --max-iterations or use another --solver",
     "hemicubes": "the most hemicubes per patch were drawn; give more patches with --patches or use another --solver",
 }

@@ -39,11 +39,12 @@ class Effort:
     accuracy: float = 0.01
     max_rays: int | None = None
     memory: str | None = None
-    solver: str = "conjugate_gradient"
+    solver: str | None = None
     max_iterations: int | None = None
     threads: int | None = None
     seed: int = 0
     time_limit: float | None = None
+    transport: str | None = None
 
 
 def solve(
@@ -60,7 +61,8 @@ def solve(
     time_limit: options.TimeLimit = None,
     unit: options.Unit = None,
     two_sided: options.TwoSided = None,
-    solver: options.Solver = "conjugate_gradient",
+    solver: options.Solver = None,
+    transport: options.Transport = None,
     max_iterations: options.MaxIterations = None,
     threads: options.Threads = None,
     seed: options.Seed = 0,
@@ -71,7 +73,7 @@ def solve(
     targets = outputs or []
     output.check_outputs(targets, SUFFIXES, file)
     meshing = source.Meshing(max_edge, patches, as_is, max_patches)
-    effort = Effort(accuracy, max_rays, memory, solver, max_iterations, threads, seed, time_limit)
+    effort = Effort(accuracy, max_rays, memory, solver, max_iterations, threads, seed, time_limit, transport)
     source.use_threads(threads)
     if exchange is not None:
         two_sided = source.sides_of_factors(file, two_sided)
@@ -134,7 +136,7 @@ def solve_patches(
     with source.naming(file, patches.scene.name), Bar("solving", quiet=quiet) as bar:
         return radiosity.solve(
             patches,
-            transport=factors,
+            transport=factors or effort.transport,  # type: ignore[arg-type]  # likewise
             accuracy=effort.accuracy,
             solver=effort.solver,  # type: ignore[arg-type]  # the engine says which there are
             max_iterations=effort.max_iterations,
