@@ -189,7 +189,7 @@ impl<'a> Task<'a> {
     fn options(&self) -> SolveOptions<'static> {
         // Blocks of rank one are not worth more than the accuracy that they were made for.
         let relative =
-            if self.factors.operator.pairs().is_some() { 1e-9 } else { 0.01 * self.settings.accuracy.min(0.1) };
+            if self.factors.operator.pairs().is_some() { 1e-9 } else { 0.03 * self.settings.accuracy.min(0.1) };
         let tolerance = relative * (1.0 - self.lighting.highest_reflectance());
         SolveOptions { tolerance, max_iterations: self.settings.most_iterations(self.area.len()), observer: None }
     }
@@ -267,14 +267,15 @@ impl<'a> Task<'a> {
         let own: Vec<f64> = (0..arriving.len())
             .map(|k| share(found[k % bands].error, k).hypot(self.incident.standard_error[k]))
             .collect();
-        let common: Vec<f64> = (0..arriving.len()).map(|k| share(found[k % bands].bias, k)).collect();
-        let options = SolveOptions { tolerance: 0.1, max_iterations: MOST_ITERATIONS, observer: None };
-        let left: Vec<f64> = (0..own.len())
-            .map(|k| (self.exchanged[k] + self.reflectance[k] * irradiance[k] - radiosity[k]).abs())
-            .collect();
-        let (carried, _) = self.solve(conjugate_gradient, &left, &common, &options)?;
-        let carried = self.irradiance(&carried, &vec![0.0; own.len()]);
-        Ok(own.iter().zip(&carried).map(|(own, carried)| own.hypot(*carried)).collect())
+        // As the light of a room whose reflectance is everywhere the mean.
+        let whole: f64 = self.area.iter().sum();
+        let mean = |band: usize| {
+            let of = |side: usize| self.area[side] * self.reflectance[side * bands + band];
+            ratio((0..self.area.len()).map(of).sum(), whole)
+        };
+        let gains: Vec<f64> = (0..bands).map(|band| 1.0 / (1.0 - mean(band))).collect();
+        let carried = |k: usize| gains[k % bands] * share(found[k % bands].bias, k);
+        Ok(own.iter().enumerate().map(|(k, own)| own.hypot(carried(k))).collect())
     }
 
     /// The balance of power. What rows lack of 1 escapes, backs included: form factors do not tell them apart.

@@ -134,7 +134,9 @@ impl Incident {
         let of = |k: usize| strength(&self.luminaires, lighting, enclosure, k);
         let are_alike = || (0..list.len()).all(|k| of(k) == of(groups.first[groups.of[k] as usize]));
         // Lamps that are out may be missing among the new.
-        let are_known = luminaires.list.iter().all(|l| list.contains(l));
+        let mut old = list.iter();
+        // Both are in one order.
+        let are_known = luminaires.list.iter().all(|l| old.any(|o| o == l));
         if !(groups.are_few() && are_known && are_alike()) {
             return None;
         }

@@ -260,7 +260,7 @@ fn add<const C: usize>(weights: &[f32], times: &[f64; C], y: &mut [[f64; C]]) {
 /// Runs of parts whose products are summed one after the other, so that sums do not depend on the number of threads.
 /// Each holds a vector, so few where vectors are long.
 fn most_groups(len: usize) -> usize {
-    if len > 1 << 18 { 8 } else { 16 }
+    if len > 1 << 14 { 8 } else { 16 }
 }
 
 impl Hierarchical {
@@ -361,12 +361,14 @@ impl Hierarchical {
                 sum
             })
             .collect();
+        let total = |p: usize| {
+            let mut total = [0.0; C];
+            sums.iter().for_each(|sum| (0..C).for_each(|c| total[c] += sum[p][c]));
+            total
+        };
+        let totals: Vec<[f64; C]> = (0..n).into_par_iter().with_min_len(1024).map(total).collect();
         y.fill([0.0; C]);
-        for (p, &k) in self.order.iter().enumerate() {
-            for sum in &sums {
-                (0..C).for_each(|c| y[k as usize][c] += sum[p][c]);
-            }
-        }
+        self.order.iter().zip(totals).for_each(|(&k, total)| y[k as usize] = total);
     }
 
     /// Runs of parts of about the same size.
