@@ -79,6 +79,8 @@ def test_built_onto_a_file(box: Patches, blocks: FormFactors, tmp_path: Path) ->
 def test_solving_agrees_with_samples(box: Patches) -> None:
     lit = solve(box, accuracy=0.01, transport="hierarchical")
     assert lit.report.reached
+    assert abs(lit.report.imbalance) < 0.02
+    assert not any(lit.report.from_lights)
     assert (lit.report.transport, lit.report.why) == ("hierarchical", "")
     reference = solve(box, accuracy=0.005, transport="sampled")
     mean = np.average(reference.irradiance.mean(axis=1), weights=box.area)
@@ -117,6 +119,8 @@ def test_lights_without_area() -> None:
     mean = np.average(reference.irradiance[:, 0], weights=patches.area)
     off = rms(lit.irradiance[:, 0] - reference.irradiance[:, 0], patches.area) / mean
     assert off < 2 * np.hypot(lit.report.estimated_error, reference.report.estimated_error)
+    assert lit.report.from_lights[0] == pytest.approx(reference.report.from_lights[0], rel=0.02)
+    assert abs(lit.report.imbalance) < 0.02
 
 
 def test_the_same_bytes_on_any_number_of_threads(box: Patches) -> None:

@@ -284,7 +284,7 @@ impl<'a> Task<'a> {
         let none = || vec![0.0; bands];
         let mut energy = Energy {
             emitted: none(),
-            from_lights: none(),
+            from_lights: self.incident.power_of_lights(&self.factors.enclosure, self.lighting),
             absorbed: none(),
             escaped: none(),
             lost_on_backs: none(),
@@ -296,7 +296,6 @@ impl<'a> Task<'a> {
             let (side, band) = (k / bands, k % bands);
             let area = self.area[side];
             energy.emitted[band] += area * self.emission[k];
-            energy.from_lights[band] += area * self.incident.mean[k];
             energy.absorbed[band] += area * (1.0 - self.reflectance[k]) * irradiance[k];
             energy.escaped[band] += (area - sums[side]) * radiosity[k];
         }

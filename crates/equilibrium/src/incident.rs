@@ -164,6 +164,26 @@ impl Incident {
         Some(relit)
     }
 
+    /// Power from lights without area, W per band: what arrives from sides is theirs.
+    pub(crate) fn power_of_lights(&self, enclosure: &Enclosure, lighting: &Lighting) -> Vec<f64> {
+        let (bands, count) = (lighting.bands, self.groups.first.len());
+        let is_side = |k: usize| matches!(self.luminaires.list[k], Luminaire::Side(_));
+        let lights: Vec<usize> = (0..count).filter(|&g| !is_side(self.groups.first[g])).collect();
+        let strength = |g: usize| strength(&self.luminaires, lighting, enclosure, self.groups.first[g]);
+        // Too many groups to tell apart count as sides, if there are any.
+        let is_all = self.units.is_empty() && lights.len() == count;
+        let irradiance = |side: usize, band: usize| {
+            if is_all {
+                return self.mean[side * bands + band];
+            }
+            let light = |&g: &usize| strength(g)[band] * f64::from(self.units[side * count + g][0]);
+            if self.units.is_empty() { 0.0 } else { lights.iter().map(light).sum() }
+        };
+        let areas = self.exposed_areas(enclosure);
+        let power = |band: usize| areas.iter().enumerate().map(|(side, area)| area * irradiance(side, band)).sum();
+        (0..bands).map(power).collect()
+    }
+
     /// What the exchange is to carry of what sides emit: not what was tested here.
     pub(crate) fn left(&self, emission: &[f64], bands: usize) -> Vec<f64> {
         let mut left = emission.to_vec();
