@@ -8,6 +8,7 @@ use crate::answer::{Answer, Task, ratio};
 use crate::energy::Energy;
 use crate::lighting::mean;
 use crate::plan::RATE;
+use radiosity_exchange::Enclosure;
 use radiosity_operator::{Cancelled, Operator};
 
 /// Noise is followed through this many bounces at most, and no further once it changes by less than this share.
@@ -125,4 +126,21 @@ fn carry(task: &Task, deviation: &[f64], replicates: usize) -> Result<Vec<f64>, 
         .chunks_exact(replicates)
         .map(|c| thinner * c.iter().map(|v| v * v).sum::<f64>() / (n * (n - 1.0)))
         .collect())
+}
+
+/// Root mean square over area and bands of an error of irradiance, relative to the mean; blocks of sides x bands.
+pub(crate) fn relative_rms(
+    enclosure: &Enclosure,
+    irradiance: &[f64],
+    bands: usize,
+    error: impl Fn(usize) -> f64,
+) -> f64 {
+    let (mut squares, mut level, mut whole): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    for (k, h) in irradiance.iter().enumerate() {
+        let area = enclosure.area(k / bands);
+        squares += area * error(k).powi(2);
+        level += area * h;
+        whole += area;
+    }
+    ratio((squares * whole).sqrt(), level)
 }

@@ -6,6 +6,7 @@
 
 use crate::answer::{Solver, ratio};
 use crate::energy::Energy;
+use crate::error::relative_rms;
 use crate::incident::{self, Incident};
 use crate::lighting::Lighting;
 use crate::report::{Limit, Report, Seconds, SolverReport};
@@ -84,14 +85,7 @@ pub(crate) fn solve_with(
     let radiosity: Vec<f64> = (0..radiosity.len())
         .map(|k| if is_whole(k) { radiosity[k] } else { task.emission[k] + task.reflectance[k] * irradiance[k] })
         .collect();
-    let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
-    for (k, h) in irradiance.iter().enumerate() {
-        let area = factors.enclosure.area(k / lighting.bands);
-        squares += area * error[k] * error[k];
-        level += area * h;
-        whole += area;
-    }
-    let estimated_error = ratio((squares * whole).sqrt(), level);
+    let estimated_error = relative_rms(&factors.enclosure, &irradiance, lighting.bands, |k| error[k]);
     let sums: Vec<f64> = factors.row_sums().iter().zip(&task.area).map(|(s, a)| ratio(*s, *a)).collect();
     let total = start.elapsed().as_secs_f64();
     let report = Report {

@@ -4,7 +4,8 @@
 //! side for each unit of its strength is kept: so their light can be dimmed and coloured without a new ray.
 
 use crate::answer::ratio;
-use crate::lighting::{Lamp, Lighting, mean};
+use crate::error::relative_rms;
+use crate::lighting::{Lamp, Lighting};
 use crate::solve::REPLICATES;
 use radiosity_exchange::luminaires::Luminaires;
 use radiosity_exchange::{Enclosure, LightSample, Luminaire, Samples};
@@ -210,15 +211,8 @@ impl Incident {
 
     /// Root mean square error over area, relative to the mean of `irradiance`.
     pub(crate) fn relative_error(&self, enclosure: &Enclosure, irradiance: &[f64], bands: usize) -> f64 {
-        let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
-        for (side, (e, h)) in self.standard_error.chunks(bands).zip(irradiance.chunks(bands)).enumerate() {
-            let area = enclosure.area(side);
-            let share = self.exposed_share(side);
-            squares += area * share * share * e.iter().map(|e| e * e).sum::<f64>() / bands as f64;
-            level += area * mean(h);
-            whole += area;
-        }
-        ratio((squares * whole).sqrt(), level)
+        let error = |k: usize| self.exposed_share(k / bands) * self.standard_error[k];
+        relative_rms(enclosure, irradiance, bands, error)
     }
 
     fn test(

@@ -1,6 +1,6 @@
 //! Solving on a hierarchical exchange that is made for the light at hand.
 //!
-//! 1. Lights without area are **tested** from every side.
+//! 1. Lamps, bright sides and lights without area, are **tested** from every side.
 //! 2. What matters is guessed: emitters and what they make bright count more in blocks of the exchange.
 //! 3. The **exchange** is built, to a tolerance that the accuracy asks for.
 //! 4. Conjugate gradient **solves**, and independent rays from a few sides **check** what that radiosity makes arrive.
@@ -10,6 +10,7 @@
 //! at their mean. Errors of first order are then at most as large as the difference, of second order a third.
 
 use crate::answer::ratio;
+use crate::error::relative_rms;
 use crate::given::solve_with;
 use crate::incident::{self, Incident};
 use crate::lighting::{Lighting, mean};
@@ -199,16 +200,8 @@ fn patch_size(sent: &[f64], solution: &Solution, factors: &FormFactors, bands: u
     let difference = coarser(factors, sent, bands);
     let mut image = vec![0.0; difference.len()];
     factors.operator.apply(&difference, &mut image, bands);
-    let (mut squares, mut level, mut whole) = (0.0, 0.0, 0.0);
-    for (k, (d, h)) in image.iter().zip(&solution.irradiance).enumerate() {
-        let area = enclosure.area(k / bands);
-        if area > 0.0 {
-            squares += d * d / area;
-            level += area * h;
-            whole += area;
-        }
-    }
-    0.5 * ratio((squares * whole).sqrt(), level)
+    let difference = |k: usize| ratio(image[k], enclosure.area(k / bands));
+    0.5 * relative_rms(enclosure, &solution.irradiance, bands, difference)
 }
 
 /// What radiosity changes by where neighbours that face alike are seen at their mean.

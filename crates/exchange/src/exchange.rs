@@ -54,14 +54,6 @@ impl Exchange {
         (offsets, columns, values)
     }
 
-    /// The entries that it keeps, of rank one those of its vectors: what a product reads.
-    pub fn stored(&self) -> usize {
-        match self {
-            Exchange::Pairs(pairs) => pairs.stored(),
-            Exchange::Links(links) => links.parts().iter().map(radiosity_operator::Part::size).sum(),
-        }
-    }
-
     /// Position in the matrix -> number of the side.
     pub fn order(&self) -> &[u32] {
         match self {

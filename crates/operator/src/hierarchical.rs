@@ -3,9 +3,9 @@
 mod rows;
 mod sweep;
 
-use crate::Operator;
 use crate::sweep::Update;
 use crate::symmetric::check_order;
+use crate::{Operator, column_by_column};
 use radiosity_store::{Numbers, Section, Sections, StoreError, Stored};
 use rayon::prelude::*;
 use rows::Index;
@@ -147,7 +147,7 @@ impl Part {
     }
 
     /// Numbers that a product reads.
-    pub fn size(&self) -> usize {
+    fn size(&self) -> usize {
         self.weights.len() + self.columns.len()
     }
 
@@ -433,15 +433,8 @@ impl Operator for Hierarchical {
             1 => self.product::<1>(x, y),
             3 => self.product::<3>(x, y),
             4 => self.product::<4>(x, y),
-            // Column by column: other numbers of bands are rare.
-            _ => {
-                let mut column = vec![0.0; self.len];
-                for c in 0..columns {
-                    let one: Vec<f64> = x.iter().skip(c).step_by(columns).copied().collect();
-                    self.product::<1>(&one, &mut column);
-                    column.iter().enumerate().for_each(|(i, v)| y[i * columns + c] = *v);
-                }
-            }
+            // Other numbers of bands are rare.
+            _ => column_by_column(x, y, columns, |x, y| self.product::<1>(x, y)),
         }
     }
 }

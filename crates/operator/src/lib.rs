@@ -63,3 +63,13 @@ pub trait Operator: Sync {
         sweep::row_by_row(self, x, columns, update);
     }
 }
+
+/// A product with a block by products with its columns.
+pub(crate) fn column_by_column(x: &[f64], y: &mut [f64], columns: usize, product: impl Fn(&[f64], &mut [f64])) {
+    let mut column = vec![0.0; x.len() / columns.max(1)];
+    for c in 0..columns {
+        let one: Vec<f64> = x.iter().skip(c).step_by(columns).copied().collect();
+        product(&one, &mut column);
+        y.iter_mut().skip(c).step_by(columns).zip(&column).for_each(|(y, v)| *y = *v);
+    }
+}

@@ -3,8 +3,8 @@
 mod rows;
 mod sweep;
 
-use crate::Operator;
 use crate::sweep::Update;
+use crate::{Operator, column_by_column};
 use radiosity_store::{Numbers, Section, Sections, StoreError, Stored};
 use rayon::prelude::*;
 use rows::{Columns, positions};
@@ -545,15 +545,8 @@ impl Operator for Symmetric {
             1 => self.product::<1>(x, y),
             3 => self.product::<3>(x, y),
             4 => self.product::<4>(x, y),
-            // Column by column: other numbers of bands are rare.
-            _ => {
-                let mut column = vec![0.0; self.len];
-                for c in 0..columns {
-                    let one: Vec<f64> = x.iter().skip(c).step_by(columns).copied().collect();
-                    self.product::<1>(&one, &mut column);
-                    y.iter_mut().skip(c).step_by(columns).zip(&column).for_each(|(y, v)| *y = *v);
-                }
-            }
+            // Other numbers of bands are rare.
+            _ => column_by_column(x, y, columns, |x, y| self.product::<1>(x, y)),
         }
     }
 

@@ -6,6 +6,7 @@ use crate::enclosure::Enclosure;
 use crate::facets::{Facet, Node};
 use glam::DVec3;
 use radiosity_geometry::bvh::Ray;
+use radiosity_geometry::sampling::mix;
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
@@ -263,14 +264,6 @@ fn points(facet: &Facet) -> Few {
         }
         _ => unreachable!("facets have three or four corners"),
     }
-}
-
-/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
-fn mix(mut z: u64) -> u64 {
-    z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 impl End {
