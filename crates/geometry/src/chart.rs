@@ -66,23 +66,30 @@ impl Chart {
         Chart::Quad { origin: a, edges: [e1, e2, e3], split: first / (first + second) }
     }
 
+    /// The barycentric coordinates of a point on its triangle with the second and third corner of that: of the whole, or
+    /// of `abc` for `s < split` and `acd` beyond. Those of a parallelogram are its chart coordinates.
+    #[inline]
+    pub fn barycentric(&self, s: f64, t: f64) -> (f64, f64) {
+        match *self {
+            Chart::Parallelogram { .. } => (s, t),
+            Chart::Triangle { .. } => fold(s, t),
+            Chart::Quad { split, .. } if s < split => fold(s / split, t),
+            Chart::Quad { split, .. } => fold((s - split) / (1.0 - split), t),
+        }
+    }
+
     /// The point at chart coordinates `(s, t)` in the unit square.
     #[inline]
     pub fn point(&self, s: f64, t: f64) -> DVec3 {
         match *self {
             Chart::Parallelogram { origin, e1, e2 } => origin + s * e1 + t * e2,
             Chart::Triangle { origin, e1, e2 } => {
-                let (b1, b2) = fold(s, t);
+                let (b1, b2) = self.barycentric(s, t);
                 origin + b1 * e1 + b2 * e2
             }
             Chart::Quad { origin, edges: [e1, e2, e3], split } => {
-                if s < split {
-                    let (b1, b2) = fold(s / split, t);
-                    origin + b1 * e1 + b2 * e2
-                } else {
-                    let (b1, b2) = fold((s - split) / (1.0 - split), t);
-                    origin + b1 * e2 + b2 * e3
-                }
+                let (b1, b2) = self.barycentric(s, t);
+                if s < split { origin + b1 * e1 + b2 * e2 } else { origin + b1 * e2 + b2 * e3 }
             }
         }
     }

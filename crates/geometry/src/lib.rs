@@ -4,9 +4,11 @@
 
 pub mod bvh;
 pub mod chart;
+pub mod corners;
 pub mod patches;
 pub mod sampling;
 
 pub use chart::Chart;
+pub use corners::Corners;
 pub use glam::{DVec3, Vec3};
 pub use patches::Patches;

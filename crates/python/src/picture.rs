@@ -8,8 +8,7 @@ use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3}
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use radiosity_picture::{
-    ColourMap, ColourScale, Exposure, Image, LitModel, LitSurface, RenderSettings, Shading, Smoother, ToneCurve,
-    reconstruction, tone,
+    ColourMap, ColourScale, Exposure, Image, LitModel, LitSurface, RenderSettings, Shading, Smoother, ToneCurve, tone,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -161,7 +160,7 @@ fn render<'py>(
         if !smooth {
             return radiosity_picture::render(&patches, Shading::Patches(&values), bands, &camera, &settings, control);
         }
-        let smoother = Smoother::new(&patches, reconstruction::CREASE_ANGLE);
+        let smoother = Smoother::new(&patches, radiosity_geometry::corners::CREASE_ANGLE);
         let corners = match (&irradiance, &reflectance) {
             (Some(h), Some(rho)) => smoother.corner_radiosity(&values, h, rho, bands),
             _ => smoother.corner_values(&values, bands),

@@ -4,6 +4,7 @@
 //! edge and its division points follow from its end points alone, taken in sorted order. So faces that meet in a file
 //! with bit-identical vertices meet without gaps or T-junctions in the mesh.
 
+mod adaptive;
 mod cut;
 mod faces;
 #[cfg(test)]
@@ -15,6 +16,7 @@ use glam::DVec3;
 use radiosity_geometry::Patches;
 
 use crate::{Scene, SceneError};
+pub use adaptive::AdaptiveMesh;
 use cut::{Collector, Counter, Piece};
 use faces::Polygon;
 pub use faces::is_degenerate;

@@ -18,7 +18,6 @@ use radiosity_scene::Camera;
 use serde::Serialize;
 
 use super::{Extras, FileExtras, LitModel, MaterialExtras, MeshExtras, QUANTITIES, VERSION, attribute_names};
-use crate::reconstruction::CREASE_ANGLE;
 use crate::tone::rgb;
 use crate::{Smoother, ToneCurve};
 use radiosity_store::files::{FileError, atomic_write, invalid};
@@ -73,7 +72,7 @@ fn patches_by_surface(model: &LitModel) -> Vec<Vec<usize>> {
 fn colours(model: &LitModel) -> Vec<[f32; 3]> {
     let bands = model.bands.len();
     let reflectance: Vec<&[f64]> = model.surfaces.iter().map(|s| &s.reflectance[..]).collect();
-    let smoother = Smoother::new(model.patches, CREASE_ANGLE);
+    let smoother = Smoother::new(model.patches, radiosity_geometry::corners::CREASE_ANGLE);
     let corners = smoother.corner_radiosity(model.radiosity, model.irradiance, &reflectance, bands);
     let exposed = |b: &f64| (b * FRAC_1_PI * model.exposure) as f32;
     let colour = |corner: &[f64]| ToneCurve::Filmic.apply(rgb(&corner.iter().map(exposed).collect::<Vec<_>>()));
