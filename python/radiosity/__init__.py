@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from radiosity import catalogue, diagnosis, scenes, teaching
     from radiosity._native import ResourceError, SceneError, __version__
+    from radiosity.certificate import Certificate
     from radiosity.factors import FormFactors, form_factors
     from radiosity.patches import Patches
     from radiosity.report import Report
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Camera",
+    "Certificate",
     "DirectionalLight",
     "Finding",
     "FormFactors",
@@ -52,6 +54,7 @@ __all__ = [
 
 # Names are imported when first used: scipy alone takes longer to import than `radiosity --help` may take in all.
 _HOME = {
+    "Certificate": "certificate",
     "ResourceError": "_native",
     "SceneError": "_native",
     "__version__": "_native",
@@ -73,7 +76,9 @@ _HOME = {
     "SurfaceFactors": "surface_factors",
 }
 _MODULES = {
+    "adaptive",
     "catalogue",
+    "certificate",
     "diagnosis",
     "factors",
     "files",

@@ -10,6 +10,7 @@ _LIMITS = {
     "max_rays": "the most rays per patch were spent: raise max_rays",
     "patch_size": "light varies too much within patches: use smaller ones",
     "time": "the time was up: raise time_limit, or refine the solution",
+    "max_patches": "the mesh has as many patches as it may: raise max_patches",
     "tolerance": "the exchange is as exact as blocks get: use transport='sampled', or fewer patches",
     "memory": "more samples would not fit the memory limit: raise it",
     "samples": "the samples were given: solve the scene afresh for more",
@@ -28,9 +29,13 @@ _STOPS = {
 class Report:
     """Energy, closure, error and effort of a solve; prints as a table.
 
-    Powers are W per band. ``estimated_error`` is the root mean square over area and bands of the estimated error of
-    irradiance, relative to its mean; it combines ``sampling_error`` (more rays reduce it) and
-    ``discretisation_error`` (smaller patches reduce it). ``limited_by`` is ``"accuracy"`` when the request was met.
+    Powers are W per band. ``estimated_error`` is what the error of irradiance, root mean square over area and bands
+    relative to its mean, stays below nine times in ten; ``interval`` is what it is nine times in ten above, and below.
+    ``causes`` splits it (see :class:`radiosity.Certificate`); it combines ``sampling_error`` (more rays reduce it) and
+    ``discretisation_error`` (smaller patches reduce it). ``of_field`` tells whether it is the error of a field that is
+    linear over patches, as it is on a mesh of the engine's own, the last of ``meshes``; then ``mesh_error``, what that
+    field leaves of the light, is part of it. Otherwise it is the error of the means of patches. ``limited_by`` is
+    ``"accuracy"`` when the request was met.
     ``closure_*`` are raw row sums of the form factors before ``closure_residual`` remained after balancing.
 
     ``transport`` says what the equations were solved on ("sampled", "hierarchical", "given", "on_demand" for rows drawn
@@ -45,6 +50,10 @@ class Report:
 
     accuracy: float
     estimated_error: float
+    interval: tuple[float, float]
+    of_field: bool
+    mesh_error: float
+    causes: dict[str, float]
     sampling_error: float
     discretisation_error: float
     limited_by: str
@@ -84,6 +93,7 @@ class Report:
     bands: list[str] = field(default_factory=list)
     transport: str = "sampled"
     why: str = ""
+    meshes: int = 0
 
     @property
     def reached(self) -> bool:
@@ -105,6 +115,8 @@ class Report:
             ("estimated error", f"{self.estimated_error:.3%} of the mean irradiance (asked for {self.accuracy:.3%})"),
             ("  by sampling", f"{self.sampling_error:.3%}"),
             ("  by patch size", f"{self.discretisation_error:.3%}"),
+            ("  by the mesh", f"{self.mesh_error:.3%}" + ("" if self.of_field else " of the light within patches, which "
+                              "does not count for their means")),
             ("stopped because", _LIMITS[self.limited_by]),
             ("emitted", powers(self.emitted)),
             ("arrived from lights", powers(self.from_lights)),
@@ -115,7 +127,8 @@ class Report:
             ("closure", f"raw row sums {self.closure_min:.4f} to {self.closure_max:.4f}, mean {self.closure_mean:.4f};"
                         f" {self.escape_share:.2%} of rays escape"),
             ("transport", self.transport + (f": {self.why}" if self.why else "")),
-            ("patches", f"{self.patches:,} ({self.sides:,} sides, {self.luminaires:,} luminaires)"),
+            ("patches", f"{self.patches:,} ({self.sides:,} sides, {self.luminaires:,} luminaires)"
+                        + (f", the last of {self.meshes} meshes" if self.meshes else "")),
             ("rays", f"{self.rays:,} + {self.shadow_rays:,} to luminaires, in {self.rounds} rounds"),
             ("rows on demand", f"{self.rows_on_demand:,} by {self.hemicubes:,} hemicubes, in {self.rounds} rounds"),
             ("solver", f"{self.solver.replace('_', ' ')}, {self.iterations:,} iterations, residual {self.residual:.1e}"
@@ -128,6 +141,7 @@ class Report:
             "arrived from lights": any(self.from_lights),
             "lost on backs": any(self.lost_on_backs),
             "rows on demand": self.rows_on_demand > 0,
+            "  by the mesh": self.mesh_error > 0,
         }
         return [row for row in rows if present.get(row[0], True)]
 

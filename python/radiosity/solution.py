@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
-from functools import partial
-from typing import Any, Literal, get_args
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from radiosity import _native
 from radiosity.checks import memory_or_most, threads_or_all, whole
+from radiosity.certificate import Certificate
 from radiosity.choice import choose
 from radiosity.factors import FormFactors
 from radiosity.patches import Patches
 from radiosity.report import Report
 from radiosity.scene import Scene
 from radiosity.snapshot import OnIterate, handed_to
+
+if TYPE_CHECKING:
+    from radiosity.adaptive import Step
 
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int, int], object]
@@ -45,11 +51,14 @@ class Solution:
 
     Attributes:
         patches: what it is on.
-        irradiance, radiosity, emission: (n_patches, n_bands) W/m2, of the fronts.
-        error: (n_patches, n_bands) estimated standard error of irradiance, W/m2.
+        irradiance, radiosity, emission: (n_patches, n_bands) W/m2, of the fronts, means over patches.
+        error: (n_patches, n_bands) estimated standard error of irradiance, W/m2: of the field over each patch where the
+            engine chose the mesh, of the mean over each patch otherwise.
         back_irradiance, back_radiosity, back_error: the same of the backs; NaN where a patch is one-sided.
         reflectance: (n_patches, n_bands).
         report: energy balance, closure, error, effort.
+        certificate: the error by cause.
+        refinement: the meshes on the way, where the engine chose the mesh.
     """
 
     def __init__(
@@ -74,6 +83,11 @@ class Solution:
         self.report = Report(
             **native.report(), seed=options["seed"], bands=list(patches.scene.bands), transport=transport, why=why
         )
+        if self.report.of_field:
+            reached = self.report.estimated_error <= options["wanted"]
+            limit = "accuracy" if reached else self.report.limited_by
+            self.report = replace(self.report, accuracy=options["wanted"], limited_by=limit)
+        self.refinement: tuple[Step, ...] = ()
         self._native: Any = native
         self._options = options
 
@@ -84,6 +98,38 @@ class Solution:
         values = np.full((len(self.patches), backs.shape[1]), np.nan)
         values[self.patches.two_sided] = backs
         return values
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """The error of the fronts by cause."""
+        return Certificate.of(self.report, self.error, {cause: fronts for cause, (fronts, _) in self._native.causes()})
+
+    @cached_property
+    def corner_irradiance(self) -> Floats:
+        """(n_patches, 4, n_bands) W/m2 at the corners of the fronts: the continuous field that is linear over patches.
+
+        A triangle repeats its last corner. The field is continuous within smooth surfaces and tends to its own limit at
+        creases, borders, and lines on which another surface stands.
+        """
+        return _native.corner_field(self.patches._native, np.ascontiguousarray(self.irradiance))
+
+    def irradiance_at(self, points: npt.ArrayLike, normals: npt.ArrayLike) -> Floats:
+        """The field of irradiance at points of surfaces.
+
+        Args:
+            points: (k, 3) metres.
+            normals: (k, 3) the way each surface looks there; backs are not looked for.
+
+        Returns:
+            (k, n_bands) W/m2; NaN where no surface is.
+        """
+        places = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
+        up = np.ascontiguousarray(np.broadcast_to(np.asarray(normals, dtype=np.float64), places.shape))
+        reach = 1e-5 * float(np.ptp(self.patches.polygons.reshape(-1, 3), axis=0).max())
+        patch, weights = self.patches._enclosure.locate(places, up, reach)
+        values = np.einsum("kc,kcb->kb", weights, self.corner_irradiance[patch])
+        values[patch < 0] = np.nan
+        return np.asarray(values)
 
     def relight(self, *, emission: npt.ArrayLike | None = None, reflectance: npt.ArrayLike | None = None) -> Solution:
         """The equilibrium with other lamps or paint on the same geometry, without a new ray.
@@ -102,7 +148,7 @@ class Solution:
         o = self._options
         native = self._native.relight(
             new_reflectance, new_emission, _lamps(self.patches.scene), o["accuracy"], o["solver"], o["exact"],
-            o["max_iterations"], o["threads"],
+            o["max_iterations"], o["threads"], as_field=self.report.of_field,
         )  # fmt: skip
         return Solution(
             self.patches, native, new_reflectance, new_emission, self._options, self.report.transport, self.report.why
@@ -150,6 +196,8 @@ def solve(
     max_rays: int = MAX_RAYS,
     memory_limit: int | None = None,
     time_limit: float | None = None,
+    max_patches: int | None = None,
+    focus: str | None = None,
     start: Solution | None = None,
     threads: int | None = None,
     seed: int = 0,
@@ -158,9 +206,12 @@ def solve(
     """Find the equilibrium of light to an accuracy.
 
     Args:
-        scene: a scene (cut into about 5,000 patches) or patches.
+        scene: a scene, or patches. A scene is cut into patches by the engine: coarsely where light is smooth, finely
+            where it is not, until the field that is linear over them is as accurate as asked. Patches are solved on as
+            they are, and what is as accurate as asked are their means. (With a transport or solver that takes no mesh of
+            the engine's own, or of very many faces, a scene is cut evenly into about 5,000 patches.)
         accuracy: wanted error of irradiance, root mean square over area and bands, relative to its mean. The engine
-            samples until its own estimate of the error is below; ``report.reached`` says whether it got there.
+            works until its own estimate of the error is below; ``report.reached`` says whether it got there.
         transport: what the equations are solved on. "sampled": samples of what every patch sees, which the answer is
             gathered through once more. "hierarchical": an exchange in blocks made for this light, for many patches;
             it is relit in no time. Or form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by
@@ -184,7 +235,11 @@ def solve(
         max_rays: most rays per patch.
         memory_limit: bytes that samples and operator may take (default: four fifths of what is available). With
             ``transport``, what solving takes beside the form factors.
-        time_limit: seconds after which "shooting" begins no further round.
+        time_limit: seconds after which "shooting" begins no further round, and after which a mesh of the engine's own is
+            neither refined nor sampled further; it then depends on the machine what comes out.
+        max_patches: most patches of a mesh of the engine's own (default 100,000).
+        focus: the name of a surface that matters: the accuracy is that of the field on it, relative to its mean, and
+            mesh and samples go where they serve it. On a mesh of the engine's own.
         start: a solution by "shooting" of the same patches to go on from.
         threads: default: all cores. The answer does not depend on it.
         seed: the same seed gives the same bytes.
@@ -195,9 +250,14 @@ def solve(
         ResourceError: not even a first estimate fits the memory limit.
         ValueError: there is no such solver, or ``on_iterate`` for a solve that samples.
     """
-    patches = scene if isinstance(scene, Patches) else scene.patches(count=DEFAULT_PATCHES)
-    patches.scene.validate()
     memory, why = memory_or_most(memory_limit), ""
+    if isinstance(scene, Scene) and _is_adaptable(scene, transport, solver, start, on_iterate):
+        sampling = Sampling(solver or "conjugate_gradient", max_iterations, closure, max_rays, memory, threads, seed)
+        return _solve_adaptively(scene, accuracy, sampling, max_patches, time_limit, focus, progress)
+    if focus is not None or (max_patches is not None and isinstance(scene, Patches)):
+        raise ValueError("max_patches and focus are for a mesh of the engine's own: pass a scene, without a transport")
+    patches = scene if isinstance(scene, Patches) else scene.patches(count=min(DEFAULT_PATCHES, max_patches or DEFAULT_PATCHES))
+    patches.scene.validate()
     limits_shooting = time_limit is not None or start is not None
     if transport is None and solver is None and closure == "balanced" and max_rays == MAX_RAYS and not limits_shooting:
         way, why = choose(patches, accuracy, memory)
@@ -216,31 +276,113 @@ def solve(
     solver = solver or "conjugate_gradient"
     if limits_shooting:
         raise ValueError(f"time_limit and start are for solver='shooting', not for '{solver}'")
-    exact, threads, seed = _is_exact(closure), threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
-    most = None if max_iterations is None else whole(max_iterations, "max_iterations", 0, 2**63 - 1)
-    options = {
-        "accuracy": float(accuracy), "solver": solver, "max_iterations": most, "exact": exact, "threads": threads,
-        "seed": seed,
-    }  # fmt: skip
-    light = (patches.reflectance, patches.emission, _lamps(patches.scene), accuracy)
     made, run = _way(patches, transport, solver)
-    if made == "sampled":
+    sampling = Sampling(solver, max_iterations, closure, max_rays, memory, threads, seed)
+    if run is None:
         if on_iterate is not None:
             raise ValueError("a solve that samples has no iterations to show: pass transport, or a solver that shoots")
-        rays = whole(max_rays, "max_rays", 1, 2**32 - 1)
-        native = _native.solve(
-            patches._enclosure, *light, seed, rays, memory, solver, exact, most, threads, progress
-        )  # fmt: skip
-    else:
-        show = handed_to(on_iterate, patches, patches.reflectance)
-        native = run(*light, seed, memory, solver, most, threads, progress, show)
+        return sampling.solve(patches, accuracy, progress, why=why)
+    options = sampling.options(accuracy)
+    native = run(
+        *_light(patches), accuracy, options["seed"], memory, solver, options["max_iterations"], options["threads"],
+        progress, handed_to(on_iterate, patches, patches.reflectance),
+    )  # fmt: skip
     return Solution(patches, native, patches.reflectance, patches.emission, options, made, why)
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How to solve by samples."""
+
+    solver: str
+    max_iterations: int | None
+    closure: str
+    max_rays: int
+    memory: int
+    threads: int | None
+    seed: int
+
+    def options(self, accuracy: float) -> dict[str, Any]:
+        """What another solve on the same exchange needs to know."""
+        most = None if self.max_iterations is None else whole(self.max_iterations, "max_iterations", 0, 2**63 - 1)
+        return {
+            "accuracy": float(accuracy), "solver": self.solver, "max_iterations": most, "exact": _is_exact(self.closure),
+            "threads": threads_or_all(self.threads), "seed": whole(self.seed, "seed", 0, 2**64 - 1),
+        }  # fmt: skip
+
+    def solve(
+        self,
+        patches: Patches,
+        accuracy: float,
+        progress: Progress | None,
+        *,
+        wanted: float | None = None,
+        importance: Floats | None = None,
+        why: str = "",
+    ) -> Solution:
+        """Solve on patches; as a field, if an accuracy is wanted of it, and to "accuracy" but for the mesh."""
+        options = self.options(accuracy) | ({} if wanted is None else {"wanted": wanted})
+        native = _native.solve(
+            patches._enclosure, *_light(patches), accuracy, options["seed"],
+            whole(self.max_rays, "max_rays", 1, 2**32 - 1), self.memory, self.solver, options["exact"],
+            options["max_iterations"], options["threads"], progress, wanted is not None, importance,
+        )  # fmt: skip
+        return Solution(patches, native, patches.reflectance, patches.emission, options, "sampled", why)
+
+
+def _light(patches: Patches) -> tuple[Floats, Floats, list[_native.LightTuple]]:
+    return patches.reflectance, patches.emission, _lamps(patches.scene)
+
+
+MOST_FACES = 15_000
+"""Scenes of more faces are not given a mesh of the engine's own: their faces are small already."""
+
+
+def _is_adaptable(
+    scene: Scene,
+    transport: FormFactors | Transport | None,
+    solver: str | None,
+    start: Solution | None,
+    on_iterate: OnIterate | None,
+) -> bool:
+    """Whether the mesh can be the engine's own."""
+    samples = transport in (None, "sampled") and start is None and on_iterate is None
+    takes_products = solver is None or (solver in SOLVERS and solver not in PROGRESSIVE)
+    return samples and takes_products and sum(len(surface.faces) for surface in scene.surfaces) <= MOST_FACES
+
+
+def _solve_adaptively(
+    scene: Scene,
+    accuracy: float,
+    sampling: Sampling,
+    max_patches: int | None,
+    time_limit: float | None,
+    focus: str | None,
+    progress: Progress | None,
+) -> Solution:
+    from radiosity import adaptive  # noqa: PLC0415
+
+    scene.validate()
+    if not accuracy > 0:
+        raise ValueError(f"accuracy must be a positive number such as 0.01, not {accuracy}")
+    if time_limit is not None and not time_limit > 0:
+        raise ValueError(f"time_limit must be a positive number of seconds, not {time_limit}")
+    most = adaptive.MOST_PATCHES if max_patches is None else whole(max_patches, "max_patches", 1, 2**31 - 1)
+
+    def solve_on(
+        patches: Patches, other: float, importance: Floats | None, progress: Progress | None
+    ) -> Solution:
+        return sampling.solve(patches, other, progress, wanted=float(accuracy), importance=importance)
+
+    limits = adaptive.Limits(most, math.inf if time_limit is None else float(time_limit))
+    weigh = None if focus is None else adaptive.focus_on(scene, focus)
+    return adaptive.solve_adaptively(scene, float(accuracy), solve_on, limits, weigh, progress)
 
 
 def _way(
     patches: Patches, transport: FormFactors | Transport | None, solver: str
-) -> tuple[str, Callable[..., _native.Solution]]:
-    """What the equations are solved on, by name, and what solves on it."""
+) -> tuple[str, Callable[..., _native.Solution] | None]:
+    """What the equations are solved on, by name, and what solves on it unless it is samples."""
     if isinstance(transport, FormFactors):
         if transport.patches is not patches:
             raise ValueError("transport was measured on other patches; pass those patches to solve")
@@ -253,7 +395,7 @@ def _way(
         if transport == "sampled":
             raise ValueError(f"{solver} shoots from rows, not samples: leave out transport, or pass form factors")
         return "on_demand", partial(_native.solve_on_demand, patches._enclosure)
-    return "sampled", partial(_native.solve, patches._enclosure)
+    return "sampled", None
 
 
 def _is_exact(closure: str) -> bool:

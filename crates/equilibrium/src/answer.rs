@@ -18,6 +18,8 @@ pub(crate) struct Answer {
     pub by_elements: Vec<f64>,
     /// Mean over replicates.
     pub irradiance: Vec<f64>,
+    /// What each cell of a side received: sides x replicates x [`CELLS`] x bands.
+    pub by_cell: Vec<f32>,
     /// What leaves the scene, W per m2 of the side.
     pub escaped: Vec<f64>,
     /// What ends on black backs, or never leaves because a solid stands there, W per m2 of the side.
@@ -35,11 +37,19 @@ pub(crate) struct Task<'a> {
     pub lighting: &'a Lighting,
     pub solver: Solver,
     pub options: SolveOptions<'a>,
+    /// Whether the answer is wanted as a field, not as means of patches only.
+    pub as_field: bool,
+    /// How much an error on each patch matters; nothing for all the same.
+    pub importance: &'a [f64],
     pub control: &'a Control,
 }
 
 /// Sides per parallel task.
 const SIDES_PER_TASK: usize = 32;
+
+/// Sides are looked at in `2^level x 2^level` cells to tell how light varies over them.
+pub(crate) const CELL_LEVEL: u32 = 2;
+pub(crate) const CELLS: usize = 1 << (2 * CELL_LEVEL);
 
 /// Bounces on elements after the solve on sides: each takes the error of seeing whole sides to the next order.
 const SWEEPS: usize = 2;
@@ -64,6 +74,12 @@ impl Task<'_> {
         self.finish_all(&self.elements(), SWEEPS, &radiosity, solver)
     }
 
+    /// The area of a side times how much an error on it matters.
+    pub fn weight(&self, side: usize) -> f64 {
+        let enclosure = self.transport().enclosure();
+        enclosure.area(side) * self.importance.get(enclosure.patch_of(side)).unwrap_or(&1.0)
+    }
+
     /// `B = E + rho H`, sides x bands.
     pub fn radiosity(&self, irradiance: &[f64]) -> Vec<f64> {
         let emission = self.per_side(|p| self.lighting.emission_of(p));
@@ -85,6 +101,7 @@ impl Task<'_> {
             by_lights: vec![0.0; sides * width],
             by_elements: vec![0.0; sides * bands],
             irradiance: vec![0.0; sides * bands],
+            by_cell: vec![0.0; sides * width * CELLS],
             escaped: vec![0.0; sides * bands],
             lost: vec![0.0; sides * bands],
             solver,
@@ -226,6 +243,10 @@ impl Task<'_> {
                 for r in 0..replicates {
                     answer.by_rays[(side * replicates + r) * bands + first + c] = g.by_rays[r][c];
                     answer.by_lights[(side * replicates + r) * bands + first + c] = g.by_lights[r][c];
+                    for cell in 0..CELLS {
+                        let row = (side * replicates + r) * CELLS + cell;
+                        answer.by_cell[row * bands + first + c] = g.by_cell[r * CELLS + cell][c];
+                    }
                     answer.irradiance[k] += (g.by_rays[r][c] + g.by_lights[r][c]) / replicates as f64;
                 }
             }
@@ -328,6 +349,7 @@ impl Task<'_> {
         let mut g = Gathered {
             by_rays: vec![[0.0; C]; replicates],
             by_lights: vec![[0.0; C]; replicates],
+            by_cell: Vec::with_capacity(replicates * CELLS),
             by_elements: [0.0; C],
             escaped: [0.0; C],
             lost: [0.0; C],
@@ -336,10 +358,14 @@ impl Task<'_> {
         let own_emission: Values<C> = std::array::from_fn(|c| own_emission[first + c]);
         for r in 0..replicates {
             let (mut rays, mut lights) = ([0.0; C], [0.0; C]);
+            let (mut cell_rays, mut cell_lights) = ([Tally::default(); CELLS], [Tally::default(); CELLS]);
             for shot in self.transport().shots().replicate(side, r).flatten() {
+                let cell = &mut cell_rays[shot.origin_cell.coarse(CELL_LEVEL)];
+                cell.count += 1;
                 if let Some(e) = self.seen_by_ray(elements, shot) {
                     let (value, mean) = (&fine.elements[e], &fine.sides[shot.target as usize]);
                     let left = ERROR_LEFT[elements.level(shot.target as usize) as usize];
+                    add(&mut cell.sum, 1.0, value);
                     for c in 0..C {
                         rays[c] += value[c];
                         g.by_elements[c] += left * (value[c] - mean[c]);
@@ -354,11 +380,21 @@ impl Task<'_> {
                     }
                 }
             }
-            for sample in self.transport().lights().replicate(side, r).flatten().filter(|s| s.weight > 0.0) {
-                add(&mut lights, f64::from(sample.weight), self.source(sample.luminaire, strengths, fine));
+            for sample in self.transport().lights().replicate(side, r).flatten() {
+                let cell = &mut cell_lights[sample.origin_cell.coarse(CELL_LEVEL)];
+                cell.count += 1;
+                if sample.weight > 0.0 {
+                    let source = self.source(sample.luminaire, strengths, fine);
+                    add(&mut cell.sum, f64::from(sample.weight), source);
+                    add(&mut lights, f64::from(sample.weight), source);
+                }
             }
             g.by_rays[r] = rays.map(|v| v * per_ray);
             g.by_lights[r] = lights.map(|v| v * per_light);
+            for (rays, lights) in cell_rays.iter().zip(&cell_lights) {
+                let (rays, lights) = (rays.mean_or(&g.by_rays[r]), lights.mean_or(&g.by_lights[r]));
+                g.by_cell.push(std::array::from_fn(|c| (rays[c] + lights[c]) as f32));
+            }
         }
         g.by_elements = g.by_elements.map(|v| v * per_shot);
         g
@@ -407,10 +443,32 @@ impl<const C: usize> Seen<C> {
     }
 }
 
+/// Samples of a cell and their sum.
+#[derive(Clone, Copy)]
+struct Tally<const C: usize> {
+    sum: Values<C>,
+    count: u32,
+}
+
+impl<const C: usize> Default for Tally<C> {
+    fn default() -> Self {
+        Self { sum: [0.0; C], count: 0 }
+    }
+}
+
+impl<const C: usize> Tally<C> {
+    /// The mean of the samples; what the whole has where there are none.
+    fn mean_or(&self, whole: &Values<C>) -> Values<C> {
+        if self.count > 0 { self.sum.map(|v| v / f64::from(self.count)) } else { *whole }
+    }
+}
+
 /// What a side gathers, per replicate.
 struct Gathered<const C: usize> {
     by_rays: Vec<Values<C>>,
     by_lights: Vec<Values<C>>,
+    /// Replicates x [`CELLS`].
+    by_cell: Vec<[f32; C]>,
     by_elements: Values<C>,
     escaped: Values<C>,
     lost: Values<C>,

@@ -1,13 +1,20 @@
 //! How wrong an answer is, from the answer itself.
 //!
-//! Four parts add in squares. The spread of the replicates is the standard error of a side's own samples. The same
+//! Causes add in squares. The spread of the replicates is the standard error of a side's own samples. The same
 //! spread, sent through the interreflections, is what the noise of other sides adds (first-order perturbation:
-//! `dH = dF B + F rho dH`). Power that the balance cannot explain is an error of the whole. What replacing sides by elements changed bounds what still finer elements would change.
+//! `dH = dF B + F rho dH`). Power that the balance cannot explain is an error of the whole. What replacing sides by
+//! elements changed bounds what still finer elements would change. Where the answer is wanted as a field, what that
+//! leaves of the light within patches counts too (`mesh_error.rs`).
+//!
+//! What is reported is not the likeliest value of the error but one that it stays below nine times in ten: variances
+//! are known from four replicates only, and those of noise that many sides share are known badly.
 
 use crate::answer::{Answer, Task, ratio};
 use crate::energy::Energy;
 use crate::lighting::mean;
+use crate::mesh_error::MeshError;
 use crate::plan::RATE;
+use crate::report::Cause;
 use radiosity_exchange::Enclosure;
 use radiosity_operator::{Cancelled, Operator};
 
@@ -15,75 +22,154 @@ use radiosity_operator::{Cancelled, Operator};
 const MOST_BOUNCES: usize = 60;
 const SETTLED: f64 = 0.03;
 
+/// One in ten of a normal distribution lies beyond so many standard deviations.
+const ONE_IN_TEN: f64 = 1.28;
+
+/// Relative standard deviations of estimated variances: of one side from four replicates, three degrees of freedom; of
+/// carried noise, which many sides share, as if from six in all.
+const ONE_SIDE: f64 = 0.816;
+const SHARED: f64 = 0.577;
+
 /// Error estimates per side.
 pub(crate) struct Estimate {
     /// Standard error of irradiance, sides x bands.
     pub standard_error: Vec<f64>,
+    /// The same by cause.
+    pub causes: Vec<(Cause, Vec<f64>)>,
     /// Variance of the mean of the samples by rays, averaged over bands, per side.
     pub ray_variance: Vec<f64>,
     /// The same of the samples by lights.
     pub light_variance: Vec<f64>,
-    /// Root mean square over area and bands, relative to the mean irradiance: all causes.
+    /// Mean square of what the field leaves of the light, less its noise, and the variance of that, per side.
+    pub mesh: Vec<f64>,
+    pub mesh_noise: Vec<f64>,
+    /// What the root mean square over area and bands, relative to the mean irradiance, stays below nine times in ten.
     pub relative: f64,
-    /// The part of `relative` that more samples reduce.
+    /// The same without the part of the mesh.
+    pub relative_but_mesh: f64,
+    /// Nine times in ten above the first, and nine times in ten below the second.
+    pub interval: (f64, f64),
+    /// The likeliest value without the part of the mesh.
+    pub likely_but_mesh: f64,
+    /// The part that more samples reduce.
     pub relative_sampling: f64,
-    /// The part of `relative` that finer elements reduce.
+    /// The part that finer elements reduce.
     pub relative_elements: f64,
-    /// Area-weighted mean irradiance over bands.
+    /// The part that smaller patches reduce, whether it counts or not.
+    pub relative_mesh: f64,
+    /// What that stays below nine times in ten.
+    pub mesh_bound: f64,
+    /// Mean irradiance over area and bands.
     pub mean_irradiance: f64,
     /// The balance of power.
     pub energy: Energy,
 }
 
+/// A mean square over the scene with how well it is known.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    square: f64,
+    /// Of that.
+    deviation: f64,
+}
+
+impl Part {
+    fn high(&self) -> f64 {
+        self.square.max(0.0) + ONE_IN_TEN * self.deviation
+    }
+
+    fn low(&self) -> f64 {
+        (self.square - ONE_IN_TEN * self.deviation).max(0.0)
+    }
+}
+
 pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancelled> {
-    let bands = task.lighting.bands;
+    let (bands, enclosure) = (task.lighting.bands, task.measurement.transport.enclosure());
     let replicates = task.measurement.transport.shots().replicates();
-    let sides = task.measurement.transport.enclosure().sides();
+    let sides = enclosure.sides();
     let width = replicates * bands;
     let (mut own, mut ray_variance, mut light_variance) =
         (vec![0.0; sides * bands], vec![0.0; sides], vec![0.0; sides]);
     // Deviation of each replicate from the mean, averaged over bands: sides x replicates.
     let mut deviation = vec![0.0; sides * replicates];
+    let values: Vec<f64> = answer.by_rays.iter().zip(&answer.by_lights).map(|(a, b)| a + b).collect();
     for side in 0..sides {
         let rays = &answer.by_rays[side * width..][..width];
         let lights = &answer.by_lights[side * width..][..width];
-        let both: Vec<f64> = rays.iter().zip(lights).map(|(a, b)| a + b).collect();
+        let both = &values[side * width..][..width];
         for b in 0..bands {
-            own[side * bands + b] = variance_of_mean(&both, bands, b);
+            own[side * bands + b] = variance_of_mean(both, bands, b);
             ray_variance[side] += variance_of_mean(rays, bands, b) / bands as f64;
             light_variance[side] += variance_of_mean(lights, bands, b) / bands as f64;
         }
         for k in 0..replicates {
-            deviation[side * replicates + k] = mean(&both[k * bands..][..bands]) - mean(&both);
+            deviation[side * replicates + k] = mean(&both[k * bands..][..bands]) - mean(both);
         }
     }
     let carried = carry(task, &deviation, replicates)?;
-    let area = |side: usize| task.measurement.transport.enclosure().area(side);
-    let total_area: f64 = (0..sides).map(area).sum();
+    let mesh = MeshError::of(enclosure, &values, &answer.by_cell, replicates, bands);
     let energy = Energy::of(task, answer);
-    let (mut all, mut sampling, mut elements, mut level) = (0.0, 0.0, 0.0, 0.0);
+    let solver = answer.solver.residual / (1.0 - task.lighting.highest_reflectance());
+    let total_area: f64 = (0..sides).map(|side| task.weight(side)).sum();
+    let (mut own_part, mut carried_part, mut mesh_part) = (Part::default(), Part::default(), Part::default());
+    let (mut elements, mut systematic, mut level) = (0.0, 0.0, 0.0);
     let mut standard_error = vec![0.0; sides * bands];
-    for (side, carried) in carried.iter().enumerate() {
-        let weight = area(side) / (total_area * bands as f64);
+    let mut squares: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; sides * bands]);
+    for side in 0..sides {
+        let share = task.weight(side) / total_area;
+        let weight = share / bands as f64;
+        let mut of_side = 0.0;
         for b in 0..bands {
             let k = side * bands + b;
-            let by_sampling = own[k] + carried;
+            let by_samples = if task.as_field { mesh.variance[k] } else { own[k] };
             let by_elements = answer.by_elements[k].powi(2);
-            let unexplained = (energy.imbalance * answer.irradiance[k]).powi(2);
-            standard_error[k] = (by_sampling + by_elements + unexplained).sqrt();
-            all += weight * (by_sampling + by_elements + unexplained);
-            sampling += weight * by_sampling;
+            let unexplained =
+                (energy.imbalance * answer.irradiance[k]).powi(2) + (solver * answer.irradiance[k]).powi(2);
+            let by_cause = [by_samples, carried[side], by_elements, unexplained, mesh.square[k].max(0.0)];
+            (0..5).for_each(|cause| squares[cause][k] = by_cause[cause].sqrt());
+            // Of the mean over the patch, or of the field on it.
+            let all =
+                if task.as_field { by_cause.iter().sum() } else { own[k] + carried[side] + by_elements + unexplained };
+            standard_error[k] = f64::sqrt(all);
+            own_part.square += weight * by_samples;
+            of_side += weight * by_samples;
+            carried_part.square += weight * carried[side];
+            mesh_part.square += weight * mesh.square[k];
             elements += weight * by_elements;
+            systematic += weight * unexplained;
             level += weight * answer.irradiance[k];
         }
+        own_part.deviation += (ONE_SIDE * of_side).powi(2);
+        mesh_part.deviation += share * share * mesh.noise[side];
     }
+    (own_part.deviation, mesh_part.deviation) = (own_part.deviation.sqrt(), mesh_part.deviation.sqrt());
+    carried_part.deviation = SHARED * carried_part.square;
+    let but_mesh = own_part.high() + carried_part.high() + elements + systematic;
+    let counted = if task.as_field { mesh_part } else { Part::default() };
+    let likely = own_part.square + carried_part.square + elements + systematic;
+    let relative = |square: f64| ratio(square.sqrt(), level);
+    let [by_samples, by_others, by_elements, by_rest, by_mesh] = squares;
     Ok(Estimate {
         standard_error,
+        causes: vec![
+            (Cause::Sampling, by_samples),
+            (Cause::Interreflection, by_others),
+            (Cause::Transport, by_elements),
+            (Cause::Balance, by_rest),
+            (Cause::Mesh, by_mesh),
+        ],
         ray_variance,
         light_variance,
-        relative: ratio(all.sqrt(), level),
-        relative_sampling: ratio(sampling.sqrt(), level),
-        relative_elements: ratio(elements.sqrt(), level),
+        mesh: mesh.square.chunks_exact(bands.max(1)).map(mean).collect(),
+        mesh_noise: mesh.noise,
+        relative: relative(but_mesh + counted.high()),
+        relative_but_mesh: relative(but_mesh),
+        interval: (relative(own_part.low() + carried_part.low() + counted.low()), relative(but_mesh + counted.high())),
+        likely_but_mesh: relative(likely),
+        relative_sampling: relative(own_part.square + carried_part.square),
+        relative_elements: relative(elements),
+        relative_mesh: relative(mesh_part.square.max(0.0)),
+        mesh_bound: relative(mesh_part.high()),
         mean_irradiance: level,
         energy,
     })

@@ -9,7 +9,7 @@ use crate::energy::Energy;
 use crate::error::relative_rms;
 use crate::incident::{self, Incident};
 use crate::lighting::Lighting;
-use crate::report::{Limit, Report, Seconds, SolverReport};
+use crate::report::{Cause, Limit, Report, Seconds, SolverReport};
 use crate::solve::{Failure, MOST_ITERATIONS, Settings, Solution, Source, closure};
 use radiosity_exchange::FormFactors;
 use radiosity_exchange::factors::FactorReport;
@@ -91,6 +91,8 @@ pub(crate) fn solve_with(
     let report = Report {
         accuracy: settings.accuracy,
         estimated_error,
+        interval: (0.0, estimated_error),
+        causes: vec![(Cause::Sampling, estimated_error)],
         sampling_error: estimated_error,
         limited_by: Some(match solver.stop {
             Stop::Converged if estimated_error <= settings.accuracy => Limit::Accuracy,
@@ -109,7 +111,9 @@ pub(crate) fn solve_with(
         seconds: Seconds { sampling: 0.0, solving: total, total },
         ..Report::default()
     };
-    Ok(Solution { irradiance, radiosity, error, report, source: Source::Given(factors.clone(), task.incident.clone()) })
+    let causes = vec![(Cause::Sampling, error.clone())];
+    let source = Source::Given(factors.clone(), task.incident.clone());
+    Ok(Solution { irradiance, radiosity, error, causes, mesh: Vec::new(), report, source })
 }
 
 /// Blocks of sides x bands that a solve holds at a time: what goes in and comes out, the vectors of a solver, and what

@@ -14,7 +14,7 @@ use crate::error::relative_rms;
 use crate::given::solve_with;
 use crate::incident::{self, Incident};
 use crate::lighting::{Lighting, mean};
-use crate::report::{Limit, Report, Seconds};
+use crate::report::{Cause, Limit, Report, Seconds};
 use crate::shooting::exposure_of_sides;
 use crate::solve::{Failure, Settings, Solution};
 use radiosity_exchange::factors::{self, FormFactors, Method};
@@ -88,6 +88,8 @@ pub fn solve_linked(
                 rounds: round,
                 seconds,
                 estimated_error,
+                interval: (0.0, estimated_error),
+                causes: vec![(Cause::Sampling, error), (Cause::Transport, size)],
                 discretisation_error: size,
                 limited_by: Some(limited_by),
                 ..solution.report.clone()

@@ -10,7 +10,7 @@ use crate::answer::ratio;
 use crate::energy::Energy;
 use crate::incident::{Incident, tests, without_area};
 use crate::lighting::Lighting;
-use crate::report::{Limit, Report, Seconds, SolverReport};
+use crate::report::{Cause, Limit, Report, Seconds, SolverReport};
 use crate::solve::{Failure, Settings, Solution, Source, closure};
 use radiosity_exchange::{Enclosure, RowsOnDemand, on_demand};
 use radiosity_operator::{Cancelled, Control};
@@ -87,6 +87,8 @@ pub(crate) fn solve_on_rows(
     let report = Report {
         accuracy: settings.accuracy,
         estimated_error,
+        interval: (0.0, estimated_error),
+        causes: vec![(Cause::Sampling, estimated_error)],
         sampling_error: task.relative(&sampling, &light.irradiance),
         limited_by: Some(limit),
         patches: rows.enclosure().patches().len(),
@@ -104,7 +106,9 @@ pub(crate) fn solve_on_rows(
         ..Report::default()
     };
     let Light { irradiance, radiosity, .. } = light;
-    Ok(Solution { irradiance, radiosity, error, report, source: Source::OnDemand(rows.clone()) })
+    let causes = vec![(Cause::Sampling, error.clone())];
+    let source = Source::OnDemand(rows.clone());
+    Ok(Solution { irradiance, radiosity, error, causes, mesh: Vec::new(), report, source })
 }
 
 /// What stays the same through one solve. Blocks are sides x bands.

@@ -44,13 +44,51 @@ impl Limit {
     }
 }
 
+/// Where an error comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Too few samples of what a patch sees, visibility included.
+    Sampling,
+    /// The noise of other patches, which arrives as their light does.
+    Interreflection,
+    /// Light that varies over patches was sent on as if it varied less.
+    Transport,
+    /// Power that the balance does not explain, and what the solver left.
+    Balance,
+    /// Light that varies over patches otherwise than the field through their values.
+    Mesh,
+}
+
+impl Cause {
+    /// A word for tables and files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Cause::Sampling => "sampling",
+            Cause::Interreflection => "interreflection",
+            Cause::Transport => "transport",
+            Cause::Balance => "balance",
+            Cause::Mesh => "mesh",
+        }
+    }
+}
+
 /// Energy, closure, error, effort. Powers are W per band.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// The accuracy asked for.
     pub accuracy: f64,
-    /// Estimated error of irradiance: root mean square over area and bands, relative to the mean.
+    /// What the error of irradiance stays below nine times in ten: root mean square over area and bands, relative to the
+    /// mean.
     pub estimated_error: f64,
+    /// What it is nine times in ten above, and below.
+    pub interval: (f64, f64),
+    /// Whether it is of the field between the patches' values too, or of their means only.
+    pub of_field: bool,
+    /// What the piecewise linear field through the patches' values leaves of the light, counted or not: what that stays
+    /// below nine times in ten.
+    pub mesh_error: f64,
+    /// Error by cause, as far as told apart: root mean square over area and bands, relative to the mean.
+    pub causes: Vec<(Cause, f64)>,
     /// The part of the error that more rays would reduce.
     pub sampling_error: f64,
     /// The part of the error that smaller patches would reduce.

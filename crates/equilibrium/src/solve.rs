@@ -1,14 +1,14 @@
 //! The loop that raises the sampling until the estimated error meets the request.
 
-use crate::answer::{Answer, Task, ratio};
-use crate::error::{Estimate, estimate};
+use crate::answer::{Answer, CELLS, Task, ratio};
+use crate::error::{Estimate, estimate, relative_rms};
 use crate::given::relight_given;
 use crate::incident::Incident;
 use crate::lighting::Lighting;
 use crate::method::Method;
 use crate::on_demand::solve_on_rows;
 use crate::plan::{Kind, plan};
-use crate::report::{Limit, Report, Seconds, SolverReport};
+use crate::report::{Cause, Limit, Report, Seconds, SolverReport};
 use crate::transport::Transport;
 use radiosity_exchange::operator::ElementExchange;
 use radiosity_exchange::{Elements, Enclosure, FormFactors, RowsOnDemand};
@@ -43,6 +43,12 @@ pub struct Settings {
     pub max_iterations: Option<usize>,
     /// The treatment of row sums.
     pub closure: Closure,
+    /// Whether the answer is wanted as a field over patches. Then the error has a part of the mesh, which samples cannot
+    /// reduce, and `accuracy` is for the rest.
+    pub as_field: bool,
+    /// How much the square of an error on each patch matters; nothing for all the same. It weighs errors where they are
+    /// summed up, and so where samples go.
+    pub importance: Vec<f64>,
 }
 
 impl Default for Settings {
@@ -55,6 +61,8 @@ impl Default for Settings {
             method: Method::ConjugateGradient,
             max_iterations: None,
             closure: Closure::Balanced,
+            as_field: false,
+            importance: Vec::new(),
         }
     }
 }
@@ -101,6 +109,11 @@ pub struct Solution {
     pub radiosity: Vec<f64>,
     /// Estimated standard error of irradiance, W/m2.
     pub error: Vec<f64>,
+    /// The same by cause, as far as told apart.
+    pub causes: Vec<(Cause, Vec<f64>)>,
+    /// Per side, where the light was compared with the field through the patches' values: the mean square of the
+    /// difference, without bias and so possibly negative, and its standard deviation, (W/m2)^2.
+    pub mesh: Vec<(f64, f64)>,
     /// What the solve says about itself.
     pub report: Report,
     /// What it was solved on, for another lighting of the same geometry.
@@ -186,7 +199,7 @@ pub fn solve(
     let has_luminaires = !luminaires.list.is_empty();
     let mut transport = Transport::new(enclosure, luminaires, REPLICATES, settings.seed);
     let most = settings.max_rays.div_ceil(REPLICATES as u32);
-    let (rays, lights) = first_round(settings.accuracy);
+    let (rays, lights) = first_round(settings);
     let lights = if has_luminaires { lights.min(most) } else { 0 };
     let mut wanted = (vec![rays.min(most); sides], vec![lights; sides]);
     let needed = forecast(&wanted.0, &wanted.1);
@@ -207,7 +220,7 @@ pub fn solve(
         let estimate = estimate(&task, &answer)?;
         seconds.solving += before.elapsed().as_secs_f64();
         let step = match answer.solver.stop {
-            Stop::Converged => next(&measurement.transport, &estimate, settings, most),
+            Stop::Converged => next(&task, &estimate, settings, most),
             _ => Step::Stop(Limit::Solver),
         };
         match step {
@@ -241,7 +254,7 @@ pub fn relight(
     let answer = task.answer()?;
     let estimate = estimate(&task, &answer)?;
     let limit = match answer.solver.stop {
-        Stop::Converged if estimate.relative <= settings.accuracy => Limit::Accuracy,
+        Stop::Converged if estimate.relative_but_mesh <= settings.accuracy => Limit::Accuracy,
         Stop::Converged => Limit::Samples,
         _ => Limit::Solver,
     };
@@ -263,14 +276,21 @@ fn solution(
         irradiance: answer.irradiance,
         radiosity,
         error: estimate.standard_error,
+        causes: estimate.causes,
+        mesh: estimate.mesh.into_iter().zip(estimate.mesh_noise.into_iter().map(f64::sqrt)).collect(),
         report,
         source: Source::Measured(measurement),
     }
 }
 
 /// Rays and light samples per replicate to begin with: few enough to be surpassed, enough to plan by.
-fn first_round(accuracy: f64) -> (u32, u32) {
-    if accuracy >= 0.05 { (8, 4) } else { (16, 8) }
+fn first_round(settings: &Settings) -> (u32, u32) {
+    match settings {
+        // One in each cell.
+        Settings { as_field: true, .. } => (CELLS as u32, CELLS as u32),
+        Settings { accuracy, .. } if *accuracy >= 0.05 => (8, 4),
+        _ => (16, 8),
+    }
 }
 
 fn forecast(rays: &[u32], lights: &[u32]) -> u64 {
@@ -290,7 +310,7 @@ fn announce(transport: &Transport, wanted: &(Vec<u32>, Vec<u32>), control: &Cont
 fn task<'a>(
     measurement: &'a Measurement,
     lighting: &'a Lighting,
-    settings: &Settings,
+    settings: &'a Settings,
     control: &'a Control,
 ) -> Task<'a> {
     // The error of B is at most the residual over 1 - rho.
@@ -302,7 +322,8 @@ fn task<'a>(
     let solver = settings.method.solver();
     let max_iterations = settings.most_iterations(measurement.transport.enclosure().sides());
     let options = SolveOptions { tolerance, max_iterations, observer: None };
-    Task { measurement, lighting, solver, options, control }
+    let importance = &settings.importance;
+    Task { measurement, lighting, solver, options, as_field: settings.as_field, importance, control }
 }
 
 enum Step {
@@ -310,27 +331,30 @@ enum Step {
     Stop(Limit),
 }
 
-fn next(transport: &Transport, estimate: &Estimate, settings: &Settings, most: u32) -> Step {
-    if estimate.relative <= settings.accuracy || estimate.mean_irradiance == 0.0 {
+fn next(task: &Task, estimate: &Estimate, settings: &Settings, most: u32) -> Step {
+    let transport = &task.measurement.transport;
+    if estimate.relative_but_mesh <= settings.accuracy || estimate.mean_irradiance == 0.0 {
         return Step::Stop(Limit::Accuracy);
     }
     // Leave sampling what elements do not take; if they take nearly all, more rays are wasted.
     // Many more rays will resolve elements of half the size.
     let finer = if estimate.relative_sampling > 2.0 * settings.accuracy { 0.5 } else { 1.0 };
     let fixed = estimate.relative_elements.hypot(estimate.energy.imbalance);
-    let allowed = settings.accuracy.powi(2) - (finer * fixed).powi(2);
-    let patch_size = allowed < 0.25 * settings.accuracy.powi(2);
-    if patch_size && estimate.relative_sampling <= 0.5 * settings.accuracy {
+    // The bound, which is what must meet the accuracy, is above what is likely.
+    let accuracy = settings.accuracy * ratio(estimate.likely_but_mesh, estimate.relative_but_mesh);
+    let allowed = accuracy.powi(2) - (finer * fixed).powi(2);
+    let patch_size = allowed < 0.25 * accuracy.powi(2);
+    if patch_size && estimate.relative_sampling <= 0.5 * accuracy {
         return Step::Stop(Limit::PatchSize);
     }
-    let allowed = allowed.max(0.2 * settings.accuracy.powi(2));
+    let allowed = allowed.max(0.2 * accuracy.powi(2));
     let enclosure = transport.enclosure();
-    let total: f64 = (0..enclosure.sides()).map(|s| enclosure.area(s)).sum();
-    let share: Vec<f64> = (0..enclosure.sides()).map(|s| enclosure.area(s) / total).collect();
+    let total: f64 = (0..enclosure.sides()).map(|s| task.weight(s)).sum();
+    let share: Vec<f64> = (0..enclosure.sides()).map(|s| task.weight(s) / total).collect();
     // What interreflection adds to the noise falls along with its source.
     let own: f64 = (0..share.len()).map(|s| share[s] * (estimate.ray_variance[s] + estimate.light_variance[s])).sum();
     let all = (estimate.relative_sampling * estimate.mean_irradiance).powi(2);
-    let target = allowed * estimate.mean_irradiance.powi(2) * ratio(own, all).min(1.0);
+    let target = allowed * estimate.mean_irradiance.powi(2) * share_of_own(own, all, settings.as_field);
     let counts = |samples: &dyn Fn(usize) -> u32| (0..share.len()).map(samples).collect::<Vec<u32>>();
     let kinds = [
         Kind {
@@ -362,6 +386,12 @@ fn next(transport: &Transport, estimate: &Estimate, settings: &Settings, most: u
     Step::Sample(rays, lights)
 }
 
+/// What part of the allowed variance the samples' own may take. A field averages over neighbours, so that it may be more
+/// than all of it.
+fn share_of_own(own: f64, all: f64, as_field: bool) -> f64 {
+    ratio(own, all).min(if as_field { 4.0 } else { 1.0 })
+}
+
 fn doubled(counts: &[u32], most: u32) -> Vec<u32> {
     counts.iter().map(|&n| (2 * n).min(most)).collect()
 }
@@ -373,6 +403,10 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
         accuracy: settings.accuracy,
         limited_by: Some(limit),
         estimated_error: estimate.relative,
+        interval: estimate.interval,
+        of_field: settings.as_field,
+        mesh_error: estimate.mesh_bound,
+        causes: whole(task, answer, estimate),
         sampling_error: estimate.relative_sampling,
         discretisation_error: estimate.relative_elements,
         patches: enclosure.patches().len(),
@@ -390,6 +424,17 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
         memory_bytes: enclosure.memory_bytes() + transport.memory_bytes() + exchange.operator.memory_bytes(),
         seconds: Seconds::default(),
     }
+}
+
+/// Errors by cause as root mean squares over the scene relative to the mean irradiance.
+fn whole(task: &Task, answer: &Answer, estimate: &Estimate) -> Vec<(Cause, f64)> {
+    let enclosure = task.measurement.transport.enclosure();
+    let relative = |(cause, error): &(Cause, Vec<f64>)| match cause {
+        // Single patches leave out what is negative by noise; the whole does not.
+        Cause::Mesh => (*cause, estimate.relative_mesh),
+        _ => (*cause, relative_rms(enclosure, &answer.irradiance, task.lighting.bands, |k| error[k])),
+    };
+    estimate.causes.iter().map(relative).collect()
 }
 
 /// The least, the mean by area and the greatest of row sums.

@@ -5,6 +5,7 @@
 
 use glam::{DVec3, Vec3};
 use radiosity_geometry::bvh::{Bvh, BvhParams, Hit, Ray};
+use radiosity_geometry::corners::corner_weights;
 use radiosity_geometry::sampling::Frame;
 use radiosity_geometry::{Chart, Patches};
 use std::sync::Arc;
@@ -207,6 +208,20 @@ impl Enclosure {
         match if front { patch as u32 } else { self.back_side[patch] } {
             NO_SIDE => Landing::Back,
             side => Landing::Side(side),
+        }
+    }
+
+    /// The patch at a point of a surface whose front looks along `normal`, and what its corners count in the
+    /// interpolation there; looked for from `reach` before the surface to as far behind it.
+    pub fn locate(&self, point: DVec3, normal: DVec3, reach: f64) -> Option<(usize, [f64; 4])> {
+        let normal = normal.normalize_or_zero();
+        let ray = self.segment(point + reach * normal, point - reach * normal);
+        let hit = self.bvh.closest_hit(&ray);
+        match self.sight(ray.direction, &hit) {
+            Sight::Side(side, s, t) if self.is_front(side as usize) => {
+                Some((side as usize, corner_weights(&self.charts[side as usize], s, t)))
+            }
+            _ => None,
         }
     }
 

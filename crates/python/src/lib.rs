@@ -21,6 +21,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<patches::Patches>()?;
     module.add_class::<patches::Enclosure>()?;
+    module.add_class::<patches::AdaptiveMesh>()?;
     module.add_class::<solution::Solution>()?;
     module.add_class::<shooting::ShotSolution>()?;
     module.add_class::<shooting::ShootingState>()?;
@@ -31,6 +32,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("ResourceError", module.py().get_type::<errors::ResourceError>())?;
     module.add_function(wrap_pyfunction!(scene::load, module)?)?;
     module.add_function(wrap_pyfunction!(scene::builtin, module)?)?;
+    module.add_function(wrap_pyfunction!(patches::corner_field, module)?)?;
     module.add_function(wrap_pyfunction!(solution::solve, module)?)?;
     module.add_function(wrap_pyfunction!(solution::solve_on_demand, module)?)?;
     module.add_function(wrap_pyfunction!(solution::solve_linked, module)?)?;

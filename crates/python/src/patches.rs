@@ -1,9 +1,13 @@
 //! Patches and their ray hierarchy.
 
-use crate::convert;
-use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
+use crate::{convert, errors};
+use numpy::ndarray::Array3;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use radiosity_geometry::Corners;
+use radiosity_geometry::corners::CREASE_ANGLE;
+use radiosity_scene::meshing::{self, Meshing};
 use std::sync::Arc;
 
 /// The surface elements of a scene.
@@ -85,6 +89,53 @@ impl Patches {
     }
 }
 
+/// Values at the corners, (n, 4, columns), of the piecewise linear field through values of patches, (n, columns).
+#[pyfunction]
+pub fn corner_field<'py>(
+    py: Python<'py>,
+    patches: &Patches,
+    values: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let columns = values.as_array().ncols();
+    let values = convert::block_in(&values, patches.inner.len(), columns, "values")?;
+    let corners = py.detach(|| Corners::new(&patches.inner, CREASE_ANGLE).field(&values, columns));
+    let array = Array3::from_shape_vec((patches.inner.len(), 4, columns), corners);
+    Ok(array.map_err(|e| PyValueError::new_err(e.to_string()))?.into_pyarray(py))
+}
+
+/// A mesh that is refined where it pays.
+#[pyclass(module = "radiosity._native")]
+pub struct AdaptiveMesh {
+    inner: meshing::AdaptiveMesh,
+    scene: radiosity_scene::Scene,
+}
+
+#[pymethods]
+impl AdaptiveMesh {
+    /// Begins with about so many patches.
+    #[new]
+    fn new(py: Python<'_>, scene: &crate::scene::Scene, count: usize) -> PyResult<Self> {
+        let scene = scene.inner.clone();
+        let inner = py.detach(|| meshing::AdaptiveMesh::new(&scene, &Meshing::Count(count))).map_err(errors::scene)?;
+        Ok(Self { inner, scene })
+    }
+
+    /// The patches, and the leaf that each is a piece of.
+    fn patches<'py>(&self, py: Python<'py>) -> (Patches, Bound<'py, PyArray1<u32>>) {
+        let (patches, leaf) = py.detach(|| self.inner.patches());
+        (Patches { inner: Arc::new(patches) }, convert::vector_out(py, &leaf))
+    }
+
+    /// Cuts the marked leaves and what must be cut along with them; returns how many leaves there are then.
+    fn refine(&mut self, py: Python<'_>, marked: PyReadonlyArray1<'_, bool>) -> PyResult<usize> {
+        let marked = marked.as_array().to_vec();
+        if marked.len() != self.inner.leaves() {
+            return Err(PyValueError::new_err(format!("give one mark for each of {} leaves", self.inner.leaves())));
+        }
+        py.detach(|| self.inner.refine(&self.scene, &marked)).map_err(errors::scene)
+    }
+}
+
 /// Patches with the hierarchy that rays traverse.
 #[pyclass(frozen, module = "radiosity._native")]
 pub struct Enclosure {
@@ -99,6 +150,29 @@ impl Enclosure {
         let patches = patches.inner.clone();
         let inner = crate::watch::run(py, threads, None, |_| radiosity_exchange::Enclosure::new(patches))?;
         Ok(Self { inner: Arc::new(inner) })
+    }
+
+    /// The patch at each point of a surface whose front looks along the normal there (-1: none is within `reach`), and
+    /// what each of its corners counts in the interpolation at that point: (k,) and (k, 4).
+    fn locate<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+        normals: PyReadonlyArray2<'py, f64>,
+        reach: f64,
+    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>)> {
+        let (points, normals) = (convert::points_in(&points, "points")?, convert::points_in(&normals, "normals")?);
+        if points.len() != normals.len() {
+            return Err(PyValueError::new_err("give one normal per point"));
+        }
+        let found = py.detach(|| {
+            let at =
+                |(&p, &n): (&radiosity_geometry::DVec3, &radiosity_geometry::DVec3)| self.inner.locate(p, n, reach);
+            points.iter().zip(&normals).map(at).collect::<Vec<_>>()
+        });
+        let patch: Vec<i64> = found.iter().map(|f| f.map_or(-1, |(patch, _)| patch as i64)).collect();
+        let weights = found.iter().flat_map(|f| f.map_or([0.0; 4], |(_, weights)| weights)).collect();
+        Ok((convert::vector_out(py, &patch), convert::block_out(py, weights, 4)))
     }
 
     /// Raises `RuntimeError` if an invariant of the hierarchy does not hold.

@@ -3,7 +3,7 @@
 use crate::patches::Enclosure;
 use crate::scene::LightTuple;
 use crate::{convert, errors, watch};
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -47,6 +47,21 @@ impl Solution {
             .map(|values| convert::rows_out(py, values, range.clone(), self.bands))
     }
 
+    /// Estimated standard error by cause: its name, of the fronts, of the backs.
+    fn causes<'py>(&self, py: Python<'py>) -> Vec<(&'static str, [Bound<'py, PyArray2<f64>>; 2])> {
+        let enclosure = self.inner.source.enclosure();
+        let (fronts, sides) = (enclosure.patches().len(), enclosure.sides());
+        let out = |values: &Vec<f64>| [0..fronts, fronts..sides].map(|r| convert::rows_out(py, values, r, self.bands));
+        self.inner.causes.iter().map(|(cause, values)| (cause.name(), out(values))).collect()
+    }
+
+    /// (n_sides, 2): mean square of what the field through the patches' values leaves of the light, possibly negative
+    /// by noise, and its standard deviation; without rows where it was not looked at.
+    fn mesh<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let values = self.inner.mesh.iter().flat_map(|&(square, deviation)| [square, deviation]).collect();
+        convert::block_out(py, values, 2)
+    }
+
     /// What the solve says about itself.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         report_out(py, &self.inner.report)
@@ -54,7 +69,7 @@ impl Solution {
 
     /// Solves again on the same measured exchange with other emission, reflectance and lamp strengths.
     #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, exact_closure, max_iterations=None,
-                        threads=None, progress=None))]
+                        threads=None, progress=None, as_field=false))]
     fn relight(
         &self,
         py: Python<'_>,
@@ -67,14 +82,16 @@ impl Solution {
         max_iterations: Option<usize>,
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
+        as_field: bool,
     ) -> PyResult<Solution> {
+        let settings = settings(accuracy, 0, 0, u64::MAX, method, max_iterations, exact_closure)?;
         relight(
             py,
             &self.inner.source,
             reflectance,
             emission,
             lamps,
-            &settings(accuracy, 0, 0, u64::MAX, method, max_iterations, exact_closure)?,
+            &Settings { as_field, ..settings },
             threads,
             progress,
         )
@@ -94,7 +111,8 @@ impl Solution {
 /// Solves to the accuracy asked for or says what kept it.
 #[pyfunction]
 #[pyo3(signature = (enclosure, reflectance, emission, lamps, accuracy, seed, max_rays, memory_limit, method,
-                    exact_closure, max_iterations=None, threads=None, progress=None))]
+                    exact_closure, max_iterations=None, threads=None, progress=None, as_field=false,
+                    importance=None))]
 pub fn solve(
     py: Python<'_>,
     enclosure: &Enclosure,
@@ -110,8 +128,12 @@ pub fn solve(
     max_iterations: Option<usize>,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
+    as_field: bool,
+    importance: Option<PyReadonlyArray1<'_, f64>>,
 ) -> PyResult<Solution> {
+    let importance = importance.map_or(Vec::new(), |array| array.as_array().to_vec());
     let settings = settings(accuracy, seed, max_rays, memory_limit, method, max_iterations, exact_closure)?;
+    let settings = Settings { as_field, importance, ..settings };
     let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
     let enclosure = enclosure.inner.clone();
     let result = watch::run(py, threads, progress.as_ref(), |control| {
@@ -287,13 +309,21 @@ pub fn settings(
         PyValueError::new_err(format!("there is no solver '{method}'; choose one of {known}"))
     })?;
     let closure = if exact_closure { Closure::Exact } else { Closure::Balanced };
-    Ok(Settings { accuracy, seed, max_rays, memory_limit, method, max_iterations, closure })
+    Ok(Settings { accuracy, seed, max_rays, memory_limit, method, max_iterations, closure, ..Settings::default() })
 }
 
 pub fn report_out<'py>(py: Python<'py>, r: &Report) -> PyResult<Bound<'py, PyDict>> {
     let d = PyDict::new(py);
     d.set_item("accuracy", r.accuracy)?;
     d.set_item("estimated_error", r.estimated_error)?;
+    d.set_item("interval", r.interval)?;
+    d.set_item("of_field", r.of_field)?;
+    d.set_item("mesh_error", r.mesh_error)?;
+    let causes = PyDict::new(py);
+    for (cause, error) in &r.causes {
+        causes.set_item(cause.name(), error)?;
+    }
+    d.set_item("causes", causes)?;
     d.set_item("sampling_error", r.sampling_error)?;
     d.set_item("discretisation_error", r.discretisation_error)?;
     d.set_item("limited_by", r.limited_by.map(|l| l.name()))?;

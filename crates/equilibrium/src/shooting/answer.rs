@@ -5,7 +5,7 @@ use super::{Context, REPLICATES, Replicate, Shooting, ShotSolution};
 use crate::answer::ratio;
 use crate::energy::Energy;
 use crate::lighting::{Lighting, mean};
-use crate::report::{Limit, Report, SolverReport};
+use crate::report::{Cause, Limit, Report, SolverReport};
 use radiosity_exchange::luminaires::Luminaires;
 use radiosity_exchange::{Enclosure, Luminaire};
 use radiosity_solvers::Stop;
@@ -307,6 +307,8 @@ impl Answer {
             accuracy,
             limited_by: Some(limit),
             estimated_error: self.relative,
+            interval: (0.0, self.relative),
+            causes: vec![(Cause::Sampling, self.relative_sampling), (Cause::Transport, self.relative_cells)],
             sampling_error: self.relative_sampling,
             discretisation_error: self.relative_cells,
             patches: enclosure.patches().len(),

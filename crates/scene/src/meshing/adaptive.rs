@@ -141,7 +141,7 @@ impl AdaptiveMesh {
     /// in the same order.
     pub fn patches(&self) -> (Patches, Vec<u32>) {
         let (mut polygons, mut surface, mut face, mut two_sided, mut leaf) = (vec![], vec![], vec![], vec![], vec![]);
-        for (number, cell) in (0u32..).zip(self.leaves().into_iter().map(|i| &self.cells[i as usize])) {
+        for (number, cell) in (0u32..).zip(self.leaf_cells().into_iter().map(|i| &self.cells[i as usize])) {
             let pieces = cell.closure(self.cut_edges(cell)).unwrap_or_else(|| cell.children().to_vec());
             for piece in pieces {
                 polygons.push(piece);
@@ -163,28 +163,33 @@ impl AdaptiveMesh {
     /// # Panics
     /// If there is not one mark per leaf.
     pub fn refine(&mut self, scene: &Scene, marked: &[bool]) -> Result<usize, SceneError> {
-        let leaves = self.leaves();
+        let leaves = self.leaf_cells();
         assert_eq!(leaves.len(), marked.len(), "one mark per leaf");
         let wanted = leaves.len() + 3 * marked.iter().filter(|&&m| m).count();
         check_size(scene, wanted as f64)?;
         for (&leaf, _) in leaves.iter().zip(marked).filter(|(_, m)| **m) {
             self.cut(leaf);
         }
-        let mut suspects = self.leaves();
+        let mut suspects = self.leaf_cells();
         loop {
             suspects.retain(|&leaf| self.has_too_much_hanging(&self.cells[leaf as usize]));
             if suspects.is_empty() {
                 break;
             }
             suspects.iter().for_each(|&leaf| self.cut(leaf));
-            suspects = self.leaves();
+            suspects = self.leaf_cells();
             check_size(scene, suspects.len() as f64)?;
         }
-        Ok(suspects.len().max(self.leaves().len()))
+        Ok(self.leaves())
+    }
+
+    /// The number of leaves.
+    pub fn leaves(&self) -> usize {
+        self.cells.iter().filter(|cell| cell.children.is_none()).count()
     }
 
     /// Indices of the cells without children, tree by tree.
-    fn leaves(&self) -> Vec<u32> {
+    fn leaf_cells(&self) -> Vec<u32> {
         let mut leaves = Vec::with_capacity(self.cells.len());
         let mut stack = Vec::new();
         for root in 0..self.roots as u32 {
@@ -283,7 +288,7 @@ mod tests {
             let mut mesh = AdaptiveMesh::new(&scene, &Meshing::MaxEdge(1.0)).unwrap();
             let (coarse, _) = mesh.patches();
             for marks in marks {
-                let leaves = mesh.leaves().len();
+                let leaves = mesh.leaves();
                 let marked: Vec<bool> = (0..leaves).map(|i| marks[i % marks.len()] == 0).collect();
                 mesh.refine(&scene, &marked).unwrap();
             }
@@ -304,7 +309,7 @@ mod tests {
     fn one_mark_cuts_one_leaf_and_closes_its_neighbours() {
         let scene = scene();
         let mut mesh = AdaptiveMesh::new(&scene, &Meshing::MaxEdge(2.0)).unwrap();
-        let before = mesh.leaves().len();
+        let before = mesh.leaves();
         let marked: Vec<bool> = (0..before).map(|i| i == 0).collect();
         assert_eq!(mesh.refine(&scene, &marked).unwrap(), before + 3);
         let (patches, leaf) = mesh.patches();
