@@ -75,6 +75,9 @@ class ExchangeFile:
         try:
             self._told: dict[str, Any] = json.loads(self._native.description)
             self.cut: dict[str, Any] | None = self._told["cut"]
+            if self.cut is not None:
+                # Files from before there were lines of contact do not speak of them.
+                self.cut.setdefault("contacts", False)
         except (KeyError, TypeError, ValueError) as e:
             raise ValueError(f"{path}: the file does not say what it holds ({e})") from e
 

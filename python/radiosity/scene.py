@@ -287,13 +287,23 @@ class Scene:
         """Raise SceneError with file, element and remedy if the scene cannot be lit."""
         self._native().validate()
 
-    def patches(self, *, max_edge: float | None = None, count: int | None = None, as_is: bool = False) -> Patches:
+    def patches(
+        self,
+        *,
+        max_edge: float | None = None,
+        count: int | None = None,
+        as_is: bool = False,
+        contacts: bool = True,
+    ) -> Patches:
         """Cut the surfaces into patches.
 
         Args:
             max_edge: longest edge in metres.
             count: about how many patches.
             as_is: one patch per face, in the order of surfaces and faces; quads stay quads.
+            contacts: whether patches end where another face touches or crosses theirs, so that none is on both sides of a
+                wall that stands on it. Faces that are closer than 5e-7 of the size of the scene touch. Nothing is cut
+                ``as_is``.
 
         Obstructions are not cut: each of their faces is one of ``patches.obstructions``.
 
@@ -304,8 +314,9 @@ class Scene:
 
         native = self._native()
         native.validate_geometry()
-        cut = {"max_edge": max_edge, "count": count, "as_is": as_is}
-        return Patches(self, native.patches(max_edge=max_edge, count=count, as_is=as_is), cut)
+        found = native.patches(max_edge=max_edge, count=count, as_is=as_is, contacts=contacts)
+        cut = {"max_edge": max_edge, "count": count, "as_is": as_is, "contacts": contacts}
+        return Patches(self, found, cut)
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:

@@ -5,7 +5,7 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use radiosity_scene::meshing::{self, Meshing};
+use radiosity_scene::meshing::{self, Contacts, Meshing};
 use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Unit, builtin as builtins};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -125,14 +125,15 @@ impl Scene {
         self.inner.validate_geometry().map_err(errors::scene)
     }
 
-    /// Cuts the scene into patches: exactly one of the arguments is given.
-    #[pyo3(signature = (max_edge=None, count=None, as_is=false))]
+    /// Cuts the scene into patches: exactly one of the first three arguments is given.
+    #[pyo3(signature = (max_edge=None, count=None, as_is=false, contacts=true))]
     fn patches(
         &self,
         py: Python<'_>,
         max_edge: Option<f64>,
         count: Option<usize>,
         as_is: bool,
+        contacts: bool,
     ) -> PyResult<patches::Patches> {
         let meshing = match (max_edge, count, as_is) {
             (Some(edge), None, false) => Meshing::MaxEdge(edge),
@@ -140,7 +141,8 @@ impl Scene {
             (None, None, true) => Meshing::AsIs,
             _ => return Err(PyValueError::new_err("give exactly one of max_edge, count and as_is=True")),
         };
-        let patches = py.detach(|| meshing::patches(&self.inner, &meshing)).map_err(errors::scene)?;
+        let contacts = if contacts { Contacts::Cut } else { Contacts::Ignore };
+        let patches = py.detach(|| meshing::patches_with(&self.inner, &meshing, contacts)).map_err(errors::scene)?;
         Ok(patches::Patches { inner: Arc::new(patches) })
     }
 

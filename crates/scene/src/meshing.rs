@@ -5,6 +5,7 @@
 //! with bit-identical vertices meet without gaps or T-junctions in the mesh.
 
 mod adaptive;
+mod contacts;
 mod cut;
 mod faces;
 #[cfg(test)]
@@ -35,6 +36,16 @@ pub enum Meshing {
     AsIs,
 }
 
+/// What becomes of lines along which faces touch or cross others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Contacts {
+    /// Patches end at them, so that none is in the light and in the dark of what stands on it.
+    #[default]
+    Cut,
+    /// Patches run on beneath what stands on them.
+    Ignore,
+}
+
 /// Cuts a scene into patches, in order of surfaces, faces and rows within the face.
 ///
 /// Unless the mesh is [`Meshing::AsIs`], pairs of coplanar triangles that make a well-shaped quadrilateral are cut as
@@ -47,6 +58,14 @@ pub enum Meshing {
 /// # Errors
 /// If a face or a vertex is unusable, the fineness makes no sense, or there would be more than [`MOST_PATCHES`].
 pub fn patches(scene: &Scene, meshing: &Meshing) -> Result<Patches, SceneError> {
+    patches_with(scene, meshing, Contacts::Cut)
+}
+
+/// Cuts a scene into patches, as [`patches`], with a say in lines of contact.
+///
+/// # Errors
+/// As [`patches`].
+pub fn patches_with(scene: &Scene, meshing: &Meshing, contacts: Contacts) -> Result<Patches, SceneError> {
     check_faces(scene)?;
     match *meshing {
         Meshing::AsIs => as_is(scene),
@@ -54,16 +73,25 @@ pub fn patches(scene: &Scene, meshing: &Meshing) -> Result<Patches, SceneError> 
             if max_edge.is_nan() || max_edge <= 0.0 {
                 return Err(refusal(scene, format!("the longest edge must be positive, not {max_edge} m")));
             }
-            cut_to_edge(scene, &faces::polygons(scene), max_edge)
+            cut_to_edge(scene, &polygons(scene, contacts), max_edge)
         }
         Meshing::Count(count) => {
             if count == 0 || count > MOST_PATCHES {
                 return Err(refusal(scene, format!("ask for 1 to {MOST_PATCHES} patches, not {count}")));
             }
-            let polygons = faces::polygons(scene);
+            let polygons = polygons(scene, contacts);
             let max_edge = edge_for_count(&polygons, count);
             cut_to_edge(scene, &polygons, max_edge)
         }
+    }
+}
+
+/// The polygons to cut, in order of surfaces and faces.
+fn polygons(scene: &Scene, contacts: Contacts) -> Vec<Polygon> {
+    let polygons = faces::polygons(scene);
+    match contacts {
+        Contacts::Cut => contacts::cut_along(polygons, &faces::blockers(scene)),
+        Contacts::Ignore => polygons,
     }
 }
 

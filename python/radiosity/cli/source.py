@@ -22,12 +22,16 @@ _ATTEMPTS = 8
 
 @dataclass(frozen=True)
 class Meshing:
-    """How to cut a scene into patches: one of the first three at most, and the most patches allowed."""
+    """How to cut a scene into patches: one of the first three at most, and the most patches allowed.
+
+    Only files of form factors from before there were lines of contact ask for patches without them.
+    """
 
     max_edge: float | None = None
     count: int | None = None
     as_is: bool = False
     max_patches: int | None = None
+    contacts: bool = True
 
     def __post_init__(self) -> None:
         if (self.max_edge is not None) + (self.count is not None) + self.as_is > 1:
@@ -112,7 +116,7 @@ def cut(file: str, scene: Scene, meshing: Meshing) -> Patches:
     """
     with naming(file, scene.name):
         if meshing.as_is or meshing.max_edge is not None:
-            patches = scene.patches(max_edge=meshing.max_edge, as_is=meshing.as_is)
+            patches = scene.patches(max_edge=meshing.max_edge, as_is=meshing.as_is, contacts=meshing.contacts)
         else:
             patches = _cut_to_count(scene, meshing)
     limit = meshing.max_patches
@@ -131,12 +135,12 @@ def _cut_to_count(scene: Scene, meshing: Meshing) -> Patches:
     count = meshing.count or DEFAULT_PATCHES
     limit = meshing.max_patches or sys.maxsize
     goal = min(count, limit)
-    patches = scene.patches(count=goal)
+    patches = scene.patches(count=goal, contacts=meshing.contacts)
     for _ in range(_ATTEMPTS):
         if len(patches) <= limit or goal == 1:
             break
         goal = max(1, int(0.98 * goal * limit / len(patches)))
-        patches = scene.patches(count=goal)
+        patches = scene.patches(count=goal, contacts=meshing.contacts)
     return patches
 
 

@@ -547,6 +547,9 @@ impl<'a> Task<'a> {
         let allowed = PARTIAL_SHARE * self.scene.settings.tolerance * (whole * smaller).sqrt() / important;
         let hidden = self.hidden(&Ends { numbers, first, second, whole, are_apart, allowed }, candidates);
         self.tally.worst_error = self.tally.worst_error.max(hidden.error / smaller);
+        if hidden.is_all {
+            return 0.0;
+        }
         let left = whole - hidden.value;
         // What rounding leaves of a pair that is hidden altogether is nothing.
         if left > 1e-13 * whole { left } else { 0.0 }

@@ -2,7 +2,7 @@
 //!
 //! Rays tell where facets are apart and moderate accuracy is enough; else what is visible is integrated. Both are poor
 //! where facets are near for their size, or where much stands between: then the larger is cut in four and each part is
-//! judged anew, with what stands between it and the other. Parts that could not matter are left at half hidden.
+//! judged anew, with what stands between it and the other. Of parts that could not matter a few rays tell.
 
 use super::{FEW_RAYS_ERROR, Kernel, Scene, Task};
 use crate::convex::quarters;
@@ -20,7 +20,7 @@ const MANY_BLOCKERS: usize = 24;
 /// How often a pair is cut for no other reason than that much stands between.
 const CUTS_FOR_BLOCKERS: usize = 3;
 
-/// The share of the allowed error that parts left at half hidden may take, each.
+/// The share of the allowed error that a part may take that is wrong by half of it.
 const NEGLIGIBLE: f64 = 0.2;
 
 /// A pair of polygons, and what is known of it.
@@ -73,7 +73,7 @@ impl Task<'_> {
         self.tally.count(sight);
         let estimate = match sight {
             Sight::Full => Estimate::default(),
-            Sight::None => Estimate { value: ends.whole, error: 0.0 },
+            Sight::None => Estimate::all(ends.whole),
             Sight::Partial => self.partly_hidden(ends, &kept, 0),
         };
         self.scratch.lists.push(kept);
@@ -82,7 +82,10 @@ impl Task<'_> {
 
     fn partly_hidden(&mut self, ends: &Ends, blockers: &[u32], depth: usize) -> Estimate {
         if depth > 0 && 0.5 * ends.whole <= NEGLIGIBLE * ends.allowed {
-            return Estimate { value: 0.5 * ends.whole, error: 0.5 * ends.whole };
+            // A few lines keep the dark dark: half of a little is light where there must be none.
+            let Scene { enclosure, points, .. } = self.scene;
+            let pair = Pair { numbers: None, first: ends.first, second: ends.second };
+            return self.scratch.rays.hidden_of_little(enclosure, points, pair, ends.whole);
         }
         let are_whole = depth == 0;
         if let Some(estimate) = self.hidden_by_rays(ends, are_whole) {
@@ -103,13 +106,14 @@ impl Task<'_> {
     fn by_parts(&mut self, ends: &Ends, blockers: &[u32], depth: usize) -> Estimate {
         let (a, b) = (ends.first, ends.second);
         let cut_first = size(a.polygon) > size(b.polygon);
-        let mut sum = Estimate::default();
+        let mut sum = Estimate { is_all: true, ..Estimate::default() };
         let mut variance = 0.0;
         for part in parts(if cut_first { a.polygon } else { b.polygon }) {
             let (first, second) =
                 if cut_first { (End { polygon: &part, ..a }, b) } else { (a, End { polygon: &part, ..b }) };
             let hidden = self.hidden_of_part(ends, (first, second), blockers, depth + 1);
             sum.value += hidden.value;
+            sum.is_all &= hidden.is_all;
             variance += hidden.error * hidden.error;
         }
         Estimate { error: variance.sqrt(), ..sum }
@@ -128,7 +132,7 @@ impl Task<'_> {
                     let allowed = of.allowed * (whole / of.whole).sqrt().min(1.0);
                     self.partly_hidden(&Ends { first, second, whole, are_apart, allowed, ..*of }, &kept, depth)
                 }
-                _ => Estimate { value: whole.max(0.0), error: 0.0 },
+                _ => Estimate::all(whole.max(0.0)),
             };
         }
         self.scratch.lists.push(kept);

@@ -37,6 +37,15 @@ pub struct Estimate {
     pub value: f64,
     /// m2.
     pub error: f64,
+    /// Whether all is hidden, as far as anything looked: then nothing is left, whatever rounding makes of the value.
+    pub is_all: bool,
+}
+
+impl Estimate {
+    /// All of an exchange of so many m2.
+    pub fn all(whole: f64) -> Self {
+        Self { value: whole, error: 0.0, is_all: true }
+    }
 }
 
 /// Cells in which the adaptive rule ends, whatever the error: some hundred thousand points.
@@ -160,7 +169,8 @@ impl View<'_> {
                 error = total(&heap);
             }
         }
-        Estimate { value: heap.iter().map(|c| c.value).sum(), error: total(&heap) }
+        let is_all = !heap.is_empty() && heap.iter().all(|c| c.uniform == Uniform::Hidden);
+        Estimate { value: heap.iter().map(|c| c.value).sum(), error: total(&heap), is_all }
     }
 
     /// A cell with its integral; none if the triangle has no area.
@@ -234,7 +244,8 @@ impl View<'_> {
         let (source, target, between) = (self.target, self.source, self.between);
         let target = End { polygon: &cell.corners, ..target };
         let turned = View { source, target, between, fragments: &mut *self.fragments }.integral(0.1 * tolerance, false);
-        Cell { value: turned.value, error: turned.error, ..cell }
+        let uniform = if turned.is_all { Uniform::Hidden } else { Uniform::Not };
+        Cell { value: turned.value, error: turned.error, uniform, ..cell }
     }
 
     /// Whether corners and middle of the target see the cell otherwise than its points see the target.

@@ -19,6 +19,9 @@ use radiosity_geometry::sampling::Sequence;
 /// The most lines between two facets: more cost more than to integrate what is visible.
 const MOST_RAYS: usize = 1024;
 
+/// Lines that tell of what hardly matters whether it is dark altogether.
+const RAYS_OF_LITTLE: usize = 4;
+
 /// The fewest.
 const LEAST_RAYS: usize = 1;
 
@@ -129,7 +132,14 @@ impl Rays {
         };
         let share = self.share(enclosure, points, pair, count, kept);
         let error = deviation(share, count) * (count as f64).powf(-RATE);
-        Some(Estimate { value: share * whole, error: error * whole })
+        Some(Estimate { value: share * whole, error: error * whole, is_all: share == 1.0 })
+    }
+
+    /// The hidden part of an exchange so small that it may be wrong altogether, by very few lines. Of polygons of more
+    /// than four corners some part is looked at.
+    pub fn hidden_of_little(&mut self, enclosure: &Enclosure, points: &Points, pair: Pair, whole: f64) -> Estimate {
+        let share = self.share(enclosure, points, pair, RAYS_OF_LITTLE, true);
+        Estimate { value: share * whole, error: 0.5 * whole, is_all: share == 1.0 }
     }
 
     /// The blocked share of so many lines: of those kept, or of others.

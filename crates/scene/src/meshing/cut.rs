@@ -16,7 +16,8 @@ const TRIANGLE_WORTH: f64 = 0.8;
 
 /// The number of segments of an edge, none longer than `max_edge`.
 pub(super) fn segments(length: f64, max_edge: f64) -> u32 {
-    (length / max_edge * (1.0 - TOLERANCE)).ceil().clamp(1.0, f64::from(u32::MAX)) as u32
+    // Not `clamp`, which keeps what is no number, such as an infinite length over an infinite edge.
+    (length / max_edge * (1.0 - TOLERANCE)).ceil().max(1.0).min(f64::from(u32::MAX)) as u32
 }
 
 /// A run along the division points of an edge.
@@ -261,7 +262,7 @@ impl Piece {
     }
 
     /// Its area and the quality of its shape: 1 for a square, [`TRIANGLE_WORTH`] for an equilateral triangle.
-    fn area_and_quality(&self) -> (f64, f64) {
+    pub(super) fn area_and_quality(&self) -> (f64, f64) {
         let p = |i: usize| self.sides[i].start();
         let squares: f64 = self.sides[..self.n].iter().map(|side| side.length().powi(2)).sum();
         if self.n == 4 {

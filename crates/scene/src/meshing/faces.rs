@@ -16,6 +16,9 @@ const PLANAR_ABSOLUTE: f64 = 2.0 * f32::EPSILON as f64;
 /// The flattest corner of a quad that two triangles may merge into: 45 to 135 degrees.
 const MERGED_COSINE: f64 = 0.71;
 
+/// The flattest corner of a quad that two pieces of one face may merge into: 15 to 165 degrees.
+const PIECE_COSINE: f64 = 0.966;
+
 /// The flattest corner of a quad face that is cut as it is: 8 to 172 degrees.
 const KEPT_COSINE: f64 = 0.99;
 
@@ -38,12 +41,17 @@ pub fn is_degenerate(corners: &[DVec3; 4]) -> bool {
 }
 
 impl Polygon {
-    fn triangle(surface: u32, face: u32, [a, b, c]: [DVec3; 3]) -> Self {
+    pub(super) fn triangle(surface: u32, face: u32, [a, b, c]: [DVec3; 3]) -> Self {
         Self { surface, face, corners: [a, b, c, c], is_quad: false }
     }
 
     fn n_corners(&self) -> usize {
         if self.is_quad { 4 } else { 3 }
+    }
+
+    /// Its corners, none of them twice.
+    pub(super) fn own_corners(&self) -> &[DVec3] {
+        &self.corners[..self.n_corners()]
     }
 
     /// Its edges, each from its start to its end.
@@ -56,8 +64,16 @@ impl Polygon {
         self.edges().map(|(a, b)| a.distance(b)).fold(0.0, f64::max)
     }
 
+    pub(super) fn shortest_edge(&self) -> f64 {
+        self.edges().map(|(a, b)| a.distance(b)).fold(f64::INFINITY, f64::min)
+    }
+
     pub(super) fn area(&self) -> f64 {
         self.vector_area().length()
+    }
+
+    pub(super) fn unit_normal(&self) -> DVec3 {
+        self.vector_area().normalize_or_zero()
     }
 
     fn vector_area(&self) -> DVec3 {
@@ -69,6 +85,11 @@ impl Polygon {
     pub(super) fn piece(&self, segments: impl Fn(usize, DVec3, DVec3) -> u32) -> Piece {
         let sides = self.edges().enumerate().map(|(i, (a, b))| Side::new(a, b, segments(i, a, b)));
         Piece::new(sides)
+    }
+
+    /// The quality of its shape: 1 for a square, less for a triangle.
+    fn quality(&self) -> f64 {
+        self.piece(|_, _, _| 1).area_and_quality().1
     }
 
     /// The name of the face for messages.
@@ -115,7 +136,11 @@ impl Polygon {
 
 /// All faces of a scene in order, as the scene has them.
 pub(super) fn raw_polygons(scene: &Scene) -> impl Iterator<Item = Polygon> + '_ {
-    (0u32..).zip(&scene.surfaces).flat_map(|(s, surface)| {
+    polygons_of(&scene.surfaces)
+}
+
+fn polygons_of(surfaces: &[Surface]) -> impl Iterator<Item = Polygon> + '_ {
+    (0u32..).zip(surfaces).flat_map(|(s, surface)| {
         (0u32..).zip(&surface.faces).map(move |(f, face)| {
             let corners = corners(surface, face);
             Polygon { surface: s, face: f, corners, is_quad: face[2] != face[3] }
@@ -123,7 +148,7 @@ pub(super) fn raw_polygons(scene: &Scene) -> impl Iterator<Item = Polygon> + '_ 
     })
 }
 
-/// All faces that only block, in order.
+/// All faces that only block, in order, as the scene has them.
 pub(super) fn obstructions(scene: &Scene) -> Vec<[DVec3; 4]> {
     scene.obstructions.iter().flat_map(|surface| surface.faces.iter().map(|face| corners(surface, face))).collect()
 }
@@ -135,8 +160,17 @@ fn corners(surface: &Surface, face: &Face) -> [DVec3; 4] {
 
 /// The polygons to cut, in order of surfaces and faces.
 pub(super) fn polygons(scene: &Scene) -> Vec<Polygon> {
+    convex(&scene.surfaces)
+}
+
+/// What only blocks, in convex polygons.
+pub(super) fn blockers(scene: &Scene) -> Vec<Polygon> {
+    convex(&scene.obstructions)
+}
+
+fn convex(surfaces: &[Surface]) -> Vec<Polygon> {
     let mut polygons: Vec<Polygon> = Vec::new();
-    for polygon in raw_polygons(scene).filter(|polygon| !is_degenerate(&polygon.corners)) {
+    for polygon in polygons_of(surfaces).filter(|polygon| !is_degenerate(&polygon.corners)) {
         match without_repeats(polygon) {
             quad if quad.is_quad && quad.flattest_cosine() > KEPT_COSINE => polygons.extend(quad.split()),
             other => polygons.push(other),
@@ -159,7 +193,12 @@ fn without_repeats(polygon: Polygon) -> Polygon {
 
 /// Merges pairs of coplanar triangles of one surface into well-shaped quads, the most rectangular first.
 fn merge_triangles(polygons: &mut Vec<Polygon>) {
-    let mut candidates = merge_candidates(polygons);
+    let candidates = merge_candidates(polygons);
+    merge_best(polygons, candidates);
+}
+
+/// Merges pairs of triangles into quads, the most rectangular first, each triangle once.
+pub(super) fn merge_best(polygons: &mut Vec<Polygon>, mut candidates: Vec<Candidate>) {
     candidates.sort_by(|a, b| a.cosine.total_cmp(&b.cosine).then(a.pair.cmp(&b.pair)));
     let mut is_merged = vec![false; polygons.len()];
     let mut is_gone = vec![false; polygons.len()];
@@ -175,12 +214,48 @@ fn merge_triangles(polygons: &mut Vec<Polygon>) {
 }
 
 /// Two triangles that may become one quad.
-struct Candidate {
+pub(super) struct Candidate {
     /// Indices of the polygons, the lower one first.
     pair: [usize; 2],
     corners: [DVec3; 4],
     /// Zero for a rectangle. Rounded, so that equal shapes rank equal whatever their rounding errors are.
     cosine: f64,
+}
+
+/// The quad of two triangles on the edge that starts at the given corner of either, if it is no worse than they are.
+pub(super) fn piece_candidate(
+    polygons: &[Polygon],
+    (first, edge): (usize, usize),
+    (second, back): (usize, usize),
+) -> Option<Candidate> {
+    let third = |polygon: usize, k: usize| polygons[polygon].corners[k % 3];
+    let corners = [third(first, edge + 1), third(first, edge + 2), third(first, edge), third(second, back + 2)];
+    let quad = Polygon { corners, is_quad: true, ..polygons[first] };
+    let cosine = quad.flattest_cosine();
+    let is_good = cosine <= MERGED_COSINE
+        || cosine <= PIECE_COSINE && quad.quality() >= polygons[first].quality().min(polygons[second].quality());
+    is_good.then_some(Candidate { pair: [first, second], corners, cosine: (cosine * 1e6).round() })
+}
+
+/// The edges on which a flush face of the same surface goes on: polygon and edge.
+pub(super) fn flush_edges(polygons: &[Polygon]) -> Vec<(usize, usize)> {
+    let uses = edge_uses(polygons);
+    let mut flush = Vec::new();
+    for shared in uses.chunk_by(|a, b| a.points == b.points) {
+        for a in shared {
+            let (one, normal) = (&polygons[a.polygon], polygons[a.polygon].unit_normal());
+            let goes_on = |b: &&EdgeUse| {
+                let other = &polygons[b.polygon];
+                b.is_upward != a.is_upward
+                    && other.surface == one.surface
+                    && other.unit_normal().dot(normal) > 1.0 - 1e-9
+            };
+            if shared.iter().any(|b| goes_on(&b)) {
+                flush.push((a.polygon, a.edge as usize));
+            }
+        }
+    }
+    flush
 }
 
 /// One use of an edge by a triangle or a quad.
