@@ -4,7 +4,7 @@ Solve on a coarse mesh, roughly; compare what arrives in each sixteenth of a pat
 values of patches; cut the patches where that differs most; and again, until the mesh leaves less than its share of the
 error asked for. Then sample until the rest does too.
 
-Early solves are only as accurate as it takes to see where the mesh is too coarse: half the error that it leaves.
+Early solves are only as accurate as it takes to see where the mesh is too coarse: a third of the error that it leaves.
 """
 
 from __future__ import annotations
@@ -37,13 +37,19 @@ COARSE = 400
 MOST_PATCHES = 100_000
 """The most patches where the caller does not say."""
 
-MESH_SHARE = 0.75
+MESH_SHARE = 0.9
 """What the mesh may leave of the error asked for; the rest, which adds in squares, is for sampling."""
 
 LEFT_BY_CUTTING = 0.35
 """What cutting a patch in four leaves of its squared error: a sixteenth where light is smooth, half at a step."""
 
-MOST_MESHES = 12
+TO_SEE = 0.33
+"""Errors of a third of what the mesh leaves let it be seen."""
+
+AIM = 0.7
+"""Cutting aims at this share of the squared error that the mesh may leave."""
+
+MOST_ROUNDS = 24
 
 COST = 1.4
 """The time of a solve goes with this power of one over its accuracy."""
@@ -80,7 +86,7 @@ def solve_adaptively(
     accuracy: float,
     solve: Solve,
     limits: Limits,
-    weigh: Callable[[Solution, Patches], Floats] | None = None,
+    weigh: Callable[[Solution | None, Patches], Floats] | None = None,
     progress: Progress | None = None,
 ) -> Solution:
     """The solution on the first mesh that is fine enough, or the last that the limits allow.
@@ -90,7 +96,8 @@ def solve_adaptively(
         accuracy: wanted error of the field of irradiance, root mean square over area, relative to the mean.
         solve: see :data:`Solve`.
         limits: see :class:`Limits`.
-        weigh: from a solution, how much a squared error on each of other patches matters; all the same by default.
+        weigh: from the last solution, if there is one, how much a squared error on each patch matters; all the same by
+            default.
         progress: as in :func:`radiosity.solve`.
     """
     return _Search(scene, accuracy, solve, limits, weigh, progress).run()
@@ -102,7 +109,7 @@ class _Search:
     accuracy: float
     solve: Solve
     limits: Limits
-    weigh: Callable[[Solution, Patches], Floats] | None
+    weigh: Callable[[Solution | None, Patches], Floats] | None
     progress: Progress | None
 
     def run(self) -> Solution:
@@ -111,10 +118,16 @@ class _Search:
         self.mesh = _native.AdaptiveMesh(self.scene._native(), min(COARSE, self.limits.patches))
         finest = self.accuracy * math.sqrt(1 - MESH_SHARE**2)
         patches, leaf = self._patches()
+        if len(patches) > self.limits.patches:
+            raise _native.ResourceError(
+                f"{self.scene.name}: its faces alone make {len(patches):,} patches, and max_patches is "
+                f"{self.limits.patches:,}: raise it"
+            )
         solution: Solution | None = None
+        full: str | None = None
         other = max(finest, min(0.2, 4 * self.accuracy))
         while True:
-            importance = None if self.weigh is None or solution is None else self.weigh(solution, patches)
+            importance = None if self.weigh is None else self.weigh(solution, patches)
             other = self._affordable(len(patches), other)
             try:
                 solution = self._solve(patches, other, importance)
@@ -123,20 +136,25 @@ class _Search:
                     raise
                 return self._told(solution, "memory")
             step = self.steps[-1]
-            if solution.report.estimated_error <= self.accuracy and (self.weigh is None or importance is not None):
+            if solution.report.estimated_error <= self.accuracy:
                 return self._told(solution, "accuracy")
-            limit = self._limit(len(patches))
-            if step.mesh_error > MESH_SHARE * self.accuracy and limit is None:
-                self.mesh.refine(self._marks(solution, leaf, importance))
-                patches, leaf = self._patches()
-                other = max(finest, min(other, 0.5 * math.sqrt(LEFT_BY_CUTTING) * step.mesh_error))
-                continue
-            # The mesh is as fine as it gets: the rest is sampling, though to be much better than the mesh is no use.
-            wanted = max(math.sqrt(max(self.accuracy**2 - step.mesh_error**2, 0.0)), 0.5 * step.mesh_error, finest)
-            if limit == "time" or other <= 1.05 * wanted:
+            limit, likely = full or self._limit(len(patches)), solution.report.causes["mesh"]
+            least = TO_SEE * max(likely, finest)
+            if limit is None and (likely > MESH_SHARE * self.accuracy or other <= least):
+                marked, is_plain = self._marks(solution, leaf, importance)
+                self.mesh.refine(marked)
+                finer = self._patches()
+                if len(finer[0]) <= self.limits.patches:
+                    patches, leaf = finer
+                    # What is lost in noise asks for more samples, not for more patches.
+                    other = min(other if is_plain else 0.6 * other, max(0.5 * finest, TO_SEE * likely))
+                    continue
+                limit = full = "max_patches"
+            # The mesh is as fine as it gets: the rest is sampling, which also tells how fine that is.
+            if limit == "time" or other <= least:
                 other_limit = solution.report.limited_by
                 return self._told(solution, limit or ("patch_size" if other_limit == "accuracy" else other_limit))
-            other = wanted
+            other = max(least, 0.6 * other)
 
     def _patches(self) -> tuple[Patches, Leaves]:
         native, leaf = self.mesh.patches()
@@ -164,10 +182,15 @@ class _Search:
             return "time"
         if patches >= 0.8 * self.limits.patches:
             return "max_patches"
-        return "patch_size" if len(self.steps) >= MOST_MESHES else None
+        return "patch_size" if len(self.steps) >= MOST_ROUNDS else None
 
-    def _marks(self, solution: Solution, leaf: Leaves, importance: Floats | None) -> npt.NDArray[np.bool_]:
-        """The leaves to cut: as few as bring the mesh to its share, those with most error first."""
+    def _marks(
+        self, solution: Solution, leaf: Leaves, importance: Floats | None
+    ) -> tuple[npt.NDArray[np.uint8], bool]:
+        """How often to cut each leaf: as few as bring the mesh to its share, those with most error first.
+
+        Also whether it was plain which these are.
+        """
         patches, leaves = solution.patches, int(leaf[-1]) + 1
         weight = patches.area if importance is None else patches.area * importance
         side = np.concatenate([np.arange(len(patches)), np.flatnonzero(patches.two_sided)])
@@ -176,20 +199,22 @@ class _Search:
         error = np.bincount(leaf, weight * square, leaves)
         noise = np.sqrt(np.bincount(leaf, (weight * deviation) ** 2, leaves))
         irradiance = np.concatenate([solution.irradiance, solution.back_irradiance[patches.two_sided]])
-        wanted = 0.8 * (MESH_SHARE * self.accuracy * float(weight @ irradiance.mean(axis=1))) ** 2
+        wanted = AIM * (MESH_SHARE * self.accuracy * float(weight @ irradiance.mean(axis=1))) ** 2
         # What is not above its noise is no reason to cut.
         certain = np.where(error > 2 * noise, error, 0.0)
         order = np.argsort(-certain, kind="stable")
         gained = np.cumsum((1 - LEFT_BY_CUTTING) * certain[order])
-        enough = int(np.searchsorted(gained, float(error.sum()) - wanted)) + 1
+        excess = float(error.sum()) - wanted
         # A leaf that is cut becomes four, and its neighbours some pieces.
         room = max((self.limits.patches - len(patches)) // 5, 1)
-        chosen = order[: min(enough, room)]
-        marked = np.zeros(leaves, dtype=bool)
-        marked[chosen[certain[chosen] > 0]] = True
-        if not marked.any():
-            marked[np.argmax(error)] = True
-        return marked
+        chosen = order[: min(int(np.searchsorted(gained, excess)) + 1, room)]
+        chosen = chosen[certain[chosen] > 0]
+        marked = np.zeros(leaves, dtype=np.uint8)
+        marked[chosen] = 1
+        if len(chosen) and len(chosen) < room // 4:
+            # As bad as the last even after one cut.
+            marked[chosen[LEFT_BY_CUTTING / 4 * certain[chosen] > certain[chosen[-1]]]] = 2
+        return marked, bool(gained[-1] >= excess)
 
     def _told(self, solution: Solution, limit: str) -> Solution:
         """The solution with a report on all that was done for it."""
@@ -208,7 +233,7 @@ FLOOR = 0.05
 """What the squared error matters on surfaces that are not in focus, besides what their light does to it."""
 
 
-def focus_on(scene: Scene, name: str) -> Callable[[Solution, Patches], Floats]:
+def focus_on(scene: Scene, name: str) -> Callable[[Solution | None, Patches], Floats]:
     """What matters where the surface of that name matters.
 
     Raises:
@@ -220,7 +245,7 @@ def focus_on(scene: Scene, name: str) -> Callable[[Solution, Patches], Floats]:
         raise ValueError(f"there is no surface '{name}' to focus on; there are {', '.join(near)}")
     chosen = np.array([other == name for other in names])
 
-    def weigh(solution: Solution, patches: Patches) -> Floats:
+    def weigh(solution: Solution | None, patches: Patches) -> Floats:
         del solution
         return np.where(chosen[patches.surface], 1.0, FLOOR)
 

@@ -25,7 +25,7 @@ _REMEDY = {
     "sampling": "more rays: ask for a better accuracy, or raise max_rays",
     "interreflection": "more rays: ask for a better accuracy, or raise max_rays",
     "transport": "smaller patches where light varies, or more rays, which resolve smaller elements",
-    "balance": "a closed model without doubtful faces (radiosity check), and more rays",
+    "balance": "more rays; in a room, also a closed model without doubtful faces (radiosity check)",
     "mesh": "smaller patches where light varies: leave the mesh to the engine, or raise max_patches",
 }
 

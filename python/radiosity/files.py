@@ -150,6 +150,9 @@ def _save_arrays(solution: Solution, path: Path) -> None:
         "irradiance": solution.irradiance,
         "radiosity": solution.radiosity,
         "error": solution.error,
+        "corner_irradiance": solution.corner_irradiance,
+        "error_causes": np.array(list(solution.certificate.by_cause)),
+        "error_by_cause": _stacked(solution),
         "back_irradiance": solution.back_irradiance,
         "back_radiosity": solution.back_radiosity,
         "back_error": solution.back_error,
@@ -158,6 +161,12 @@ def _save_arrays(solution: Solution, path: Path) -> None:
         "report": np.array(json.dumps(solution.report.to_dict(timed=False))),
     }
     write_whole(path, lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
+
+
+def _stacked(solution: Solution) -> Floats:
+    """(n_causes, n_patches, n_bands) the error of each cause."""
+    by_cause = list(solution.certificate.by_cause.values())
+    return np.stack(by_cause) if by_cause else np.zeros((0, *solution.error.shape))
 
 
 def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:

@@ -102,7 +102,8 @@ class Solution:
     @cached_property
     def certificate(self) -> Certificate:
         """The error of the fronts by cause."""
-        return Certificate.of(self.report, self.error, {cause: fronts for cause, (fronts, _) in self._native.causes()})
+        causes = self._native.causes() if isinstance(self._native, _native.Solution) else []
+        return Certificate.of(self.report, self.error, {cause: fronts for cause, (fronts, _) in causes})
 
     @cached_property
     def corner_irradiance(self) -> Floats:

@@ -22,8 +22,9 @@ pub(crate) struct MeshError {
     pub variance: Vec<f64>,
 }
 
-/// Four by four cells see this share of the variation: .70 of a parabola's about its mean, .75 of a step's at any place.
-const SEEN: f64 = 0.7;
+/// Four by four cells see about this share of the variation: .70 of a parabola's about its mean, .75 of a step's, all of a
+/// slope's that is off and nearly all of a mean's.
+const SEEN: f64 = 0.8;
 
 impl MeshError {
     /// `values` are sides x replicates x bands, `by_cell` sides x replicates x [`CELLS`] x bands.

@@ -126,8 +126,8 @@ impl AdaptiveMesh {
         (Patches { inner: Arc::new(patches) }, convert::vector_out(py, &leaf))
     }
 
-    /// Cuts the marked leaves and what must be cut along with them; returns how many leaves there are then.
-    fn refine(&mut self, py: Python<'_>, marked: PyReadonlyArray1<'_, bool>) -> PyResult<usize> {
+    /// Cuts leaves as many times as they are marked with, and what must be cut along; returns how many there are then.
+    fn refine(&mut self, py: Python<'_>, marked: PyReadonlyArray1<'_, u8>) -> PyResult<usize> {
         let marked = marked.as_array().to_vec();
         if marked.len() != self.inner.leaves() {
             return Err(PyValueError::new_err(format!("give one mark for each of {} leaves", self.inner.leaves())));

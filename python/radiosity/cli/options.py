@@ -48,12 +48,26 @@ PatchCount = Annotated[
 AsIs = Annotated[bool, typer.Option("--as-is", help="One patch per face of the file.")]
 MaxPatches = Annotated[int | None, typer.Option(min=1, metavar="N", help="The most patches allowed.")]
 
+Focus = Annotated[
+    str | None,
+    typer.Option(
+        "--for", metavar="SURFACE", help="A surface that matters: the accuracy is that of the light on it.",
+        show_default=False,
+    ),
+]
+
 # How it is solved.
 Accuracy = Annotated[float, typer.Option(help="Wanted error of irradiance, RMS over area, relative to the mean.")]
 MaxRays = Annotated[int | None, typer.Option(min=1, max=2**32 - 1, metavar="N", help="Most rays per patch.")]
 TimeLimit = Annotated[
     float | None,
-    typer.Option(metavar="SECONDS", help="Seconds after which shooting adds no more rays.", show_default=False),
+    typer.Option(
+        "--time-limit",
+        "--time",
+        metavar="SECONDS",
+        help="Seconds after which a mesh of the engine's own is not refined, and shooting adds no more rays.",
+        show_default=False,
+    ),
 ]
 Memory = Annotated[str | None, typer.Option(metavar="SIZE", help="Memory to stay within, such as 4GB or 500MiB.")]
 Solver = Annotated[

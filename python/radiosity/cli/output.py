@@ -22,6 +22,7 @@ _REMEDIES = {
     "max_rays": "the most rays per patch were spent; raise --max-rays",
     "patch_size": "light varies too much within patches; give more with --patches or --max-edge",
     "time": "the time was up; raise --time-limit",
+    "max_patches": "the mesh has as many patches as it may; raise --max-patches",
     "memory": "more samples would not fit the memory; raise --memory or give fewer patches",
     "tolerance": "blocks get no more exact; use --transport sampled, or fewer patches",
     "solver": "the solver did not converge; raise --max-iterations or use another --solver",

@@ -9,7 +9,7 @@ import typer
 
 from radiosity.cli import options, output, picture, source
 from radiosity.cli.failure import ExitCode, Stop, bad_argument
-from radiosity.cli.solve import Effort, solve_patches
+from radiosity.cli.solve import Effort, solve_target
 
 if TYPE_CHECKING:
     from radiosity.files import LitModel
@@ -60,7 +60,7 @@ def render(
         scene = source.open_unlit(file, unit=unit, two_sided=two_sided)
         # Before the long work, so that a wrong name does not come after it.
         picture.choose_camera(scene.cameras, camera, look_from, look_at, fov)
-        solution = solve_patches(file, source.cut(file, scene, meshing), effort, quiet=quiet)
+        solution = solve_target(file, source.cut_or_leave(file, scene, meshing), effort, quiet=quiet)
         lit = LitModel.of(solution)
     eye = picture.aim(lit, picture.choose_camera(lit.cameras, camera, look_from, look_at, fov), fov)
     image = picture.render(lit, picture.View(width, height, samples, show, mode, eye, threads), quiet=quiet)

@@ -45,6 +45,8 @@ class Effort:
     seed: int = 0
     time_limit: float | None = None
     transport: str | None = None
+    max_patches: int | None = None
+    focus: str | None = None
 
 
 def solve(
@@ -56,6 +58,7 @@ def solve(
     patches: options.PatchCount = None,
     as_is: options.AsIs = False,
     max_patches: options.MaxPatches = None,
+    focus: options.Focus = None,
     max_rays: options.MaxRays = None,
     memory: options.Memory = None,
     time_limit: options.TimeLimit = None,
@@ -73,16 +76,18 @@ def solve(
     targets = outputs or []
     output.check_outputs(targets, SUFFIXES, file)
     meshing = source.Meshing(max_edge, patches, as_is, max_patches)
-    effort = Effort(accuracy, max_rays, memory, solver, max_iterations, threads, seed, time_limit, transport)
+    effort = Effort(
+        accuracy, max_rays, memory, solver, max_iterations, threads, seed, time_limit, transport, max_patches, focus
+    )  # fmt: skip
     source.use_threads(threads)
     if exchange is not None:
         two_sided = source.sides_of_factors(file, two_sided)
     scene = source.open_unlit(file, unit=unit, two_sided=two_sided)
     if exchange is None:
-        patches_, factors = source.cut(file, scene, meshing), None
+        target, factors = source.cut_or_leave(file, scene, meshing), None
     else:
-        patches_, factors = _saved(file, scene, meshing, exchange, memory)
-    solution = solve_patches(file, patches_, effort, factors=factors, quiet=quiet)
+        target, factors = _saved(file, scene, meshing, exchange, memory)
+    solution = solve_target(file, target, effort, factors=factors, quiet=quiet)
     output.save(solution, targets)
     findings = scene.findings()
     if as_json:
@@ -121,10 +126,10 @@ def _saved(
         raise Stop(ExitCode.INPUT, f"{error} (solving {file})") from error
 
 
-def solve_patches(
-    file: str, patches: Patches, effort: Effort, *, factors: FormFactors | None = None, quiet: bool
+def solve_target(
+    file: str, target: Scene | Patches, effort: Effort, *, factors: FormFactors | None = None, quiet: bool
 ) -> Solution:
-    """Solve with a progress bar, on form factors if they are given.
+    """Solve patches, or a scene on a mesh of the engine's own, with a progress bar, on form factors if they are given.
 
     Raises:
         SceneError: the scene cannot be lit. ResourceError: it does not fit the memory.
@@ -133,15 +138,20 @@ def solve_patches(
 
     memory = None if effort.memory is None else options.read_size(effort.memory)
     limits: dict[str, Any] = {} if effort.max_rays is None else {"max_rays": effort.max_rays}
-    with source.naming(file, patches.scene.name), Bar("solving", quiet=quiet) as bar:
+    is_cut = isinstance(target, radiosity.Patches)
+    if not is_cut:
+        limits |= {"max_patches": effort.max_patches}
+    scene = target.scene if isinstance(target, radiosity.Patches) else target
+    with source.naming(file, scene.name), Bar("solving", quiet=quiet) as bar:
         return radiosity.solve(
-            patches,
+            target,
             transport=factors or effort.transport,  # type: ignore[arg-type]  # likewise
             accuracy=effort.accuracy,
             solver=effort.solver,  # type: ignore[arg-type]  # the engine says which there are
             max_iterations=effort.max_iterations,
             memory_limit=memory,
             time_limit=effort.time_limit,
+            focus=effort.focus,
             threads=effort.threads,
             seed=effort.seed,
             progress=bar,

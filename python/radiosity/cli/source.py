@@ -107,6 +107,11 @@ def make_builtin(name: str) -> Scene:
     return BUILTIN_SCENES[name]()
 
 
+def cut_or_leave(file: str, scene: Scene, meshing: Meshing) -> Scene | Patches:
+    """The patches if it is said how to cut, else the scene, for the engine to choose."""
+    return scene if meshing.is_left_open else cut(file, scene, meshing)
+
+
 def cut(file: str, scene: Scene, meshing: Meshing) -> Patches:
     """The patches to solve on.
 

@@ -155,20 +155,21 @@ impl AdaptiveMesh {
         (patches.with_obstructions(self.obstructions.clone()), leaf)
     }
 
-    /// Cuts the marked leaves, and those that would have too much hanging otherwise. Returns the leaves there are.
+    /// Cuts each leaf as many times as it is marked with, and those that would have too much hanging otherwise. Returns
+    /// the leaves there are.
     ///
     /// # Errors
     /// If there would be more than [`MOST_PATCHES`].
     ///
     /// # Panics
     /// If there is not one mark per leaf.
-    pub fn refine(&mut self, scene: &Scene, marked: &[bool]) -> Result<usize, SceneError> {
+    pub fn refine(&mut self, scene: &Scene, marked: &[u8]) -> Result<usize, SceneError> {
         let leaves = self.leaf_cells();
         assert_eq!(leaves.len(), marked.len(), "one mark per leaf");
-        let wanted = leaves.len() + 3 * marked.iter().filter(|&&m| m).count();
-        check_size(scene, wanted as f64)?;
-        for (&leaf, _) in leaves.iter().zip(marked).filter(|(_, m)| **m) {
-            self.cut(leaf);
+        let wanted: f64 = marked.iter().map(|&times| 4f64.powi(i32::from(times))).sum();
+        check_size(scene, wanted)?;
+        for (&leaf, &times) in leaves.iter().zip(marked) {
+            self.cut_deep(leaf, times);
         }
         let mut suspects = self.leaf_cells();
         loop {
@@ -202,6 +203,15 @@ impl AdaptiveMesh {
             }
         }
         leaves
+    }
+
+    fn cut_deep(&mut self, leaf: u32, times: u8) {
+        if times > 0 {
+            self.cut(leaf);
+            if let Some(first) = self.cells[leaf as usize].children {
+                (first..first + 4).for_each(|child| self.cut_deep(child, times - 1));
+            }
+        }
     }
 
     fn cut(&mut self, leaf: u32) {
@@ -283,13 +293,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn refined_meshes_conform_and_keep_their_area(marks in prop::collection::vec(prop::collection::vec(0..5usize, 1..40), 1..5)) {
+        fn refined_meshes_conform_and_keep_their_area(marks in prop::collection::vec(prop::collection::vec(0..5usize, 1..40), 1..4)) {
             let scene = scene();
             let mut mesh = AdaptiveMesh::new(&scene, &Meshing::MaxEdge(1.0)).unwrap();
             let (coarse, _) = mesh.patches();
             for marks in marks {
                 let leaves = mesh.leaves();
-                let marked: Vec<bool> = (0..leaves).map(|i| marks[i % marks.len()] == 0).collect();
+                let marked: Vec<u8> = (0..leaves).map(|i| [1, 2, 0, 0, 0][marks[i % marks.len()]]).collect();
                 mesh.refine(&scene, &marked).unwrap();
             }
             let (patches, leaf) = mesh.patches();
@@ -310,7 +320,7 @@ mod tests {
         let scene = scene();
         let mut mesh = AdaptiveMesh::new(&scene, &Meshing::MaxEdge(2.0)).unwrap();
         let before = mesh.leaves();
-        let marked: Vec<bool> = (0..before).map(|i| i == 0).collect();
+        let marked: Vec<u8> = (0..before).map(|i| u8::from(i == 0)).collect();
         assert_eq!(mesh.refine(&scene, &marked).unwrap(), before + 3);
         let (patches, leaf) = mesh.patches();
         assert_eq!(leaf.iter().filter(|&&l| l < 4).count(), 4);
@@ -323,7 +333,7 @@ mod tests {
         let scene = scene();
         let mut mesh = AdaptiveMesh::new(&scene, &Meshing::MaxEdge(0.5)).unwrap();
         let (before, _) = mesh.patches();
-        mesh.refine(&scene, &vec![false; before.len()]).unwrap();
+        mesh.refine(&scene, &vec![0; before.len()]).unwrap();
         assert_eq!(mesh.patches().0.polygons, before.polygons);
         assert_eq!(before.polygons, super::super::patches(&scene, &Meshing::MaxEdge(0.5)).unwrap().polygons);
     }
