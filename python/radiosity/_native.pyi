@@ -123,6 +123,15 @@ class Solution:
         threads: int | None = None,
         progress: _Progress | None = None,
     ) -> Solution: ...
+    def gradients(
+        self,
+        reflectance: _Floats,
+        emission: _Floats,
+        lamps: list[LightTuple],
+        weights: _Floats,
+        threads: int | None = None,
+        progress: _Progress | None = None,
+    ) -> list[_Floats]: ...
 
 @final
 class ExchangeFile:
