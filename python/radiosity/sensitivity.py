@@ -103,9 +103,7 @@ def of(solution: Solution, target: Functional, progress: Progress | None = None)
     return Sensitivity(solution.patches, weights, value, emission[0], reflectance[0], lights[0])
 
 
-def gradients(
-    solution: Solution, weights: Floats, progress: Progress | None = None
-) -> tuple[Floats, Floats, Floats]:
+def gradients(solution: Solution, weights: Floats, progress: Progress | None = None) -> tuple[Floats, Floats, Floats]:
     """Derivatives of many sums of irradiance at once.
 
     Args:
