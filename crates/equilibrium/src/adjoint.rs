@@ -38,7 +38,9 @@ pub enum Failure {
     #[error("rows of the exchange were drawn when they shot and are not symmetric: solve on samples or form factors")]
     OnDemand,
     /// Neither is this light an equilibrium.
-    #[error("the equations of this solution cannot be solved: rows of the exchange sum to more than 1 over reflectance")]
+    #[error(
+        "the equations of this solution cannot be solved: rows of the exchange sum to more than 1 over reflectance"
+    )]
     Diverged,
 }
 
@@ -81,11 +83,7 @@ pub fn gradients(
 const TOLERANCE: f64 = 1e-10;
 
 fn options(highest_reflectance: f64) -> SolveOptions<'static> {
-    SolveOptions {
-        tolerance: TOLERANCE * (1.0 - highest_reflectance),
-        max_iterations: MOST_ITERATIONS,
-        observer: None,
-    }
+    SolveOptions { tolerance: TOLERANCE * (1.0 - highest_reflectance), max_iterations: MOST_ITERATIONS, observer: None }
 }
 
 fn on_samples(
@@ -247,3 +245,6 @@ impl<'a> Sides<'a> {
         ratio(value, self.area[k / self.bands])
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -60,7 +60,7 @@ class Levers:
 
     @classmethod
     def of_solution(cls, solution: Solution, variables: Sequence[Variable]) -> Levers:
-        """Variables on a solution: lights that are dark in it were not measured and cannot be found any more.
+        """Variables on a solution: lights that are dark in its scene were not measured and cannot be found any more.
 
         Raises:
             ValueError: there are none, there is no such surface or light, or bounds make no sense.
@@ -75,9 +75,7 @@ class Levers:
         Raises:
             ValueError: as :meth:`of_solution`.
         """
-        n_bands = len(patches.scene.bands)
-        lights = np.array([light._tuple(n_bands)[-1] for light in patches.scene.lights]).reshape(-1, n_bands)
-        now = {"emission": patches.emission, "reflectance": patches.reflectance, "strength": lights}
+        now = {"emission": patches.emission, "reflectance": patches.reflectance, "strength": _strengths(patches)}
         return cls(_levers(patches, variables, now, is_measured=False))
 
     def _joined(self, what: str) -> Floats:
@@ -171,6 +169,12 @@ def _levers(
     return _with_starts(levers)
 
 
+def _strengths(patches: Patches) -> Floats:
+    """(n_lights, n_bands) of the scene."""
+    n_bands = len(patches.scene.bands)
+    return np.array([light._tuple(n_bands)[-1] for light in patches.scene.lights]).reshape(-1, n_bands)
+
+
 def _kind(variable: Variable) -> Kind:
     kind = type(variable).__name__.lower()
     if kind not in ("emission", "reflectance", "strength"):
@@ -190,8 +194,10 @@ def _lever(patches: Patches, variable: Variable, kind: Kind, label: str, given: 
         if not np.any(on):
             raise ValueError(f"surface '{name}' has no patches to vary")
     now = given[on].mean(axis=0)
-    if is_measured and kind == "strength" and not np.any(now > 0):
-        raise ValueError(f"light '{name}' is dark in this solution, and was not measured: pass the scene instead")
+    if is_measured and kind == "strength" and not np.any(_strengths(patches)[on] > 0):
+        raise ValueError(
+            f"light '{name}' is dark in the scene of this solution, and was not measured: pass the scene instead"
+        )
     tint = _tint(variable, now)
     spectra = np.eye(len(now)) if variable.per_band else tint[None]
     low, high = _bounds(variable, kind, len(spectra))

@@ -256,13 +256,7 @@ impl Task<'_> {
         parts.into_iter().reduce(Worth::plus).unwrap_or_else(|| self.worthless(elements))
     }
 
-    fn spread_side<const C: usize>(
-        &self,
-        elements: &Elements,
-        seeing: &Seeing<C>,
-        side: usize,
-        worth: &mut Worth<C>,
-    ) {
+    fn spread_side<const C: usize>(&self, elements: &Elements, seeing: &Seeing<C>, side: usize, worth: &mut Worth<C>) {
         let start = elements.of(side).start;
         for shot in self.transport().shots().of(side).flatten() {
             if let Some(e) = self.seen_by_ray(elements, shot) {
@@ -292,11 +286,8 @@ impl Task<'_> {
 
 impl<const C: usize> Worth<C> {
     fn plus(mut self, other: Self) -> Self {
-        let pairs = [
-            (&mut self.elements, &other.elements),
-            (&mut self.sides, &other.sides),
-            (&mut self.lamps, &other.lamps),
-        ];
+        let pairs =
+            [(&mut self.elements, &other.elements), (&mut self.sides, &other.sides), (&mut self.lamps, &other.lamps)];
         for (sum, part) in pairs {
             sum.iter_mut().zip(part).for_each(|(sum, part)| add(sum, 1.0, part));
         }
