@@ -154,7 +154,7 @@ class Design:
             numbers = " ".join(f"{v:>10.5g}" for v in np.atleast_1d(value))
             bound = f"  at its {self.at_bound[name]}est" if self.at_bound[name] else ""
             lines.append(f"{name:<{width}}  {numbers}{bound}")
-        lines += ["", f"power of these lamps {self.power:.5g} W, {len(self.history)} relightings"]
+        lines += ["", f"power of these lamps {self.power:.5g} W, relit {len(self.history)} times"]
         return "\n".join(lines)
 
 
@@ -227,13 +227,19 @@ def _targets(targets: Targets) -> Iterable[Target]:
 def _variables(variables: Variables, scene: Scene) -> Iterable[Variable]:
     if not isinstance(variables, Mapping):
         return variables
-    surfaces, lights = {s.name for s in scene.surfaces}, {light.name for light in scene.lights}
-    kinds: list[Variable] = []
-    for name, bounds in variables.items():
-        if name not in surfaces | lights:
-            raise unknown("surface or light", name, [s.name for s in scene.surfaces] + sorted(lights))
-        kinds.append(Emission(name, bounds) if name in surfaces else Strength(name, bounds))
-    return kinds
+    return [lamp(scene, name, bounds) for name, bounds in variables.items()]
+
+
+def lamp(scene: Scene, name: str, bounds: Bounds) -> Variable:
+    """The emission of the surface of that name, or the strength of the light.
+
+    Raises:
+        ValueError: there is neither.
+    """
+    surfaces, lights = [s.name for s in scene.surfaces], [light.name for light in scene.lights]
+    if name not in surfaces + lights:
+        raise unknown("surface or light", name, list(dict.fromkeys(surfaces + lights)))
+    return Emission(name, bounds) if name in surfaces else Strength(name, bounds)
 
 
 def _with_values(patches: Patches, levers: Levers, x: Floats) -> Patches:
