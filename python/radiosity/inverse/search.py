@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import Bounds, least_squares, lsq_linear, minimize
+from scipy.optimize import Bounds, lsq_linear, minimize
 
 from radiosity.inverse.goals import Goals
 from radiosity.inverse.levers import Levers
@@ -18,6 +18,9 @@ TOGETHER = 32
 
 MOST_SUMS = 64
 """With more, a search with paint takes one adjoint solve for all of them at each step, and no Jacobian."""
+
+FIRST_DAMPING = 1e-4
+"""Of steps in lamps and paint together, relative to the steepest."""
 
 MOST_CORRECTIONS = 3
 """Linear problems are solved again where lamps that were tested anew make it worth it."""
@@ -146,31 +149,52 @@ def _bounded(matrix: Floats, wanted: Floats, low: Floats, high: Floats) -> Float
 def _search(problem: Problem, start: Floats, max_evaluations: int, reference: float | None) -> Floats:
     """A search from `start`, with a row for power if it is worth something."""
     goals, levers = problem.goals, problem.levers
-    low, high = levers.low, levers.high
-    span = np.where(np.isfinite(high), high - low, np.maximum(start, 1.0))
     row = np.zeros_like(start)
     if reference:
         row = problem.economy * np.sqrt(np.sum(goals.weight**2 * goals.share)) * levers.power / reference
+    span = np.where(np.isfinite(levers.high), levers.high - levers.low, np.maximum(start, 1.0))
+    way = _quasi_newton if len(goals.weights) > MOST_SUMS else _gauss_newton
+    return way(problem, start, row, span, max_evaluations)
 
-    if len(goals.weights) > MOST_SUMS:
 
-        def squares(y: Floats) -> tuple[float, Floats]:
-            x = np.clip(y * span, low, high)
-            value, gradient = problem.squares(x)
-            return value + float(row @ x) ** 2, span * (gradient + 2 * float(row @ x) * row)
-
-        options = {"maxfun": max_evaluations, "ftol": 1e-12, "gtol": 1e-9}
-        found = minimize(squares, start / span, jac=True, method="L-BFGS-B", bounds=Bounds(low / span, high / span),
-                         options=options)  # fmt: skip
-        return np.asarray(np.clip(found.x * span, low, high))
+def _gauss_newton(problem: Problem, x: Floats, row: Floats, span: Floats, max_evaluations: int) -> Floats:
+    """Bounded linear least squares over and over, steps damped where the last one did not keep what it promised
+    (Levenberg 1944; Marquardt 1963). Many lamps are out or at their brightest, and bounds are met exactly.
+    """  # noqa: D205
+    goals, levers = problem.goals, problem.levers
 
     def misses(x: Floats) -> Floats:
         return np.append(goals.factor * (problem.values(x) - goals.wanted), row @ x)
 
-    def jacobian(x: Floats) -> Floats:
-        return np.vstack([goals.factor[:, None] * problem.jacobian(x), row])
+    now, matrix, damping = misses(x), None, FIRST_DAMPING
+    for _ in range(max_evaluations):
+        if matrix is None:
+            matrix = np.vstack([goals.factor[:, None] * problem.jacobian(x), row]) * span
+        size = np.sqrt(damping) * max(float(np.linalg.norm(matrix, axis=0).max()), 1e-300)
+        damped = np.vstack([matrix, size * np.eye(len(x))])
+        low, high = (levers.low - x) / span, (levers.high - x) / span
+        step = _bounded(damped, np.append(-now, np.zeros(len(x))), low, high)
+        promised = float(now @ now - np.sum((now + matrix @ step) ** 2))
+        if promised <= 1e-8 * float(now @ now) or now @ now <= 1e-14 * np.sum(goals.weight**2):
+            break
+        then = np.clip(x + span * step, levers.low, levers.high)
+        new = misses(then)
+        kept = float(now @ now - new @ new) / promised
+        if kept > 0:
+            x, now, matrix = then, new, None
+        damping *= 0.1 if kept > 0.75 else 1.0 if kept > 0.25 else 8.0
+    return x
 
-    inside = np.clip(start, low + 1e-3 * span, high - np.where(np.isfinite(high), 1e-3 * span, 0.0))
-    found = least_squares(misses, inside, jacobian, (low, high), x_scale=span, max_nfev=max_evaluations,
-                          xtol=1e-8, ftol=1e-10, gtol=1e-10)  # fmt: skip
-    return np.asarray(np.clip(found.x, low, high))
+
+def _quasi_newton(problem: Problem, start: Floats, row: Floats, span: Floats, max_evaluations: int) -> Floats:
+    """On the sum of squares alone (L-BFGS-B), whose gradient takes one adjoint solve for any number of targets."""
+    low, high = problem.levers.low, problem.levers.high
+
+    def squares(y: Floats) -> tuple[float, Floats]:
+        x = np.clip(y * span, low, high)
+        value, gradient = problem.squares(x)
+        return value + float(row @ x) ** 2, span * (gradient + 2 * float(row @ x) * row)
+
+    bounds, options = Bounds(low / span, high / span), {"maxfun": max_evaluations, "ftol": 1e-12, "gtol": 1e-9}
+    found = minimize(squares, start / span, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    return np.asarray(np.clip(found.x * span, low, high))
