@@ -23,7 +23,10 @@ Floats = npt.NDArray[np.float64]
 Bounds = tuple[npt.ArrayLike, npt.ArrayLike]
 
 MOST_MEASUREMENTS = 3
-"""The exchange of a scene is measured anew at most so often, for the lamps that were found."""
+"""The exchange of a scene is measured at most so often in search of lamps, and once more to see what they do."""
+
+FINEST = 0.2
+"""It is measured to this part of the last accuracy at least."""
 
 
 @dataclass(frozen=True)
@@ -177,8 +180,9 @@ def design(
     whichever are fewer. With paint it takes a few relightings and adjoint solves.
 
     Args:
-        scene: a scene or patches, which are solved with all that may shine shining, and again where what was found is
-            so different that the accuracy is not kept; or a solution, whose exchange is used as it is.
+        scene: a scene or patches, which are solved with all that may shine shining, and again, more finely, where
+            the lamps that were found are so different that the accuracy is not kept; or a solution, whose exchange is
+            used as it is.
         targets: irradiance by the name of a surface, W/m2, as ``{"desk": 500.0}``; or a list of :class:`Target`.
         variables: bounds by name, as ``{"lamp 1": (0, 2000)}``: the emission of a surface or the strength of a light;
             or a list of :class:`Emission`, :class:`Strength` and :class:`Reflectance`.
@@ -208,13 +212,18 @@ def design(
         return _design(problem, optimum(problem, levers.start, max_evaluations), asked, tolerance)
     levers = Levers.of_patches(start, list(_variables(variables, start.scene)))
     problem = Problem(None, Goals.of(start, asked), levers, economy)
-    x = levers.start
-    for left in reversed(range(MOST_MEASUREMENTS)):
+    x, finer = levers.start, 1.0
+    for _ in range(MOST_MEASUREMENTS):
         lit = _with_values(start, levers, levers.shining(x))
-        problem.measured = solve(lit, accuracy=accuracy, progress=progress, **options)
+        problem.measured = solve(lit, accuracy=finer * accuracy, progress=progress, **options)
         x = optimum(problem, x, max_evaluations)
-        if left == 0 or problem.relit(x).report.estimated_error <= accuracy or not problem.measured.report.reached:
+        error = problem.relit(x).report.estimated_error
+        if error <= accuracy or not problem.measured.report.reached:
             break
+        # Samples were shared with lamps that are out by now.
+        finer *= max(accuracy / error, FINEST)
+    if error > accuracy:
+        problem.measured = solve(_with_values(start, levers, x), accuracy=accuracy, progress=progress, **options)
     return _design(problem, x, asked, tolerance)
 
 
