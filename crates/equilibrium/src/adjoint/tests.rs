@@ -146,7 +146,8 @@ fn sums_together_are_sums_apart() {
     let (lighting, control) = (lighting(), Control::default());
     let (one, two) = (weights(), vec![1.0; 52]);
     for solution in solutions() {
-        let alone = |weights: &Vec<f64>| gradients(&solution, &lighting, &[weights.clone()], &control).unwrap();
+        let alone =
+            |weights: &Vec<f64>| gradients(&solution, &lighting, std::slice::from_ref(weights), &control).unwrap();
         let together = gradients(&solution, &lighting, &[one.clone(), two.clone()], &control).unwrap();
         assert_eq!(together, [alone(&one), alone(&two)].concat());
     }
