@@ -56,6 +56,18 @@ def test_twenty_lamps_are_found_again() -> None:
     assert not any(found.at_bound.values())
 
 
+def test_more_lamps_than_are_kept_apart() -> None:
+    true = np.random.default_rng(3).uniform(200, 2000, 70)
+    patches = office(true, rows=7, columns=10).patches(max_edge=1.0)
+    known = radiosity.solve(patches, accuracy=0.05, transport="hierarchical")
+    wanted = {f"desk {k}": float(mean_on(known, f"desk {k}")[0]) for k in range(1, 71)}
+    start = known.relight(emission=np.where(known.emission > 0, 700.0, 0.0))
+    found = design(start, wanted, {f"lamp {k}": (0, 5000) for k in range(1, 71)})
+    # The solver stops at 0.0015 of the light, of which a single lamp gives a desk a small part.
+    assert found.met
+    assert np.array(list(found.values.values())) == pytest.approx(true, rel=0.05)
+
+
 def test_a_scene_whose_lamps_are_dark() -> None:
     found = design(office(rows=1, columns=2).patches(max_edge=0.5), {"desk 1": 300, "desk 2": 100},
                    {"lamp 1": (0, 1e5), "lamp 2": (0, 1e5)}, accuracy=0.02)  # fmt: skip

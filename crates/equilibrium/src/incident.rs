@@ -134,8 +134,15 @@ impl Incident {
         Ok(incident)
     }
 
-    /// The same lamps at other strengths; none if they no longer shine alike that did, or there are others.
-    pub(crate) fn relit(&self, enclosure: &Enclosure, lighting: &Lighting, luminaires: &Luminaires) -> Option<Self> {
+    /// The same lamps at other strengths, by the same tests: made again if they no longer shine alike that did. None if
+    /// there are other lamps.
+    pub(crate) fn relit(
+        &self,
+        enclosure: &Enclosure,
+        lighting: &Lighting,
+        luminaires: &Luminaires,
+        control: &Control,
+    ) -> Result<Option<Self>, Cancelled> {
         let (groups, list) = (&self.groups, &self.luminaires.list);
         let of = |k: usize| strength(&self.luminaires, lighting, enclosure, k);
         let are_alike = || (0..list.len()).all(|k| of(k) == of(groups.first[groups.of[k] as usize]));
@@ -143,8 +150,12 @@ impl Incident {
         let mut old = list.iter();
         // Both are in one order.
         let are_known = luminaires.list.iter().all(|l| old.any(|o| o == l));
-        if !(groups.are_few() && are_known && are_alike()) {
-            return None;
+        if !are_known {
+            return Ok(None);
+        }
+        if !(groups.are_few() && are_alike()) {
+            let (luminaires, exposed) = (self.luminaires.clone(), self.exposed.clone());
+            return Self::new(enclosure, lighting, luminaires, exposed, self.each, self.seed, control).map(Some);
         }
         let (bands, count) = (lighting.bands, groups.first.len());
         let mut relit = Self {
@@ -169,7 +180,7 @@ impl Incident {
             }
             error.iter_mut().for_each(|e| *e = e.sqrt());
         });
-        Some(relit)
+        Ok(Some(relit))
     }
 
     /// Power from lights without area, W per band: what arrives from sides is theirs.
