@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import csr_array, vstack
 
 from radiosity.patches import Patches
 from radiosity.sensitivity import named, weights_of
@@ -24,7 +25,7 @@ class Goals:
     """What is wanted, row by row: a sum of irradiance over patches, weighed over bands, and its value.
 
     Attributes:
-        weights: (n_sums, n_patches) of irradiance.
+        weights: (n_sums, n_patches) of irradiance, sparse.
         sums: (n_rows,) which sum.
         bands: (n_rows, n_bands) weights of bands.
         wanted: (n_rows,) W/m2.
@@ -34,7 +35,7 @@ class Goals:
         rows: of each target.
     """
 
-    weights: Floats
+    weights: csr_array
     sums: npt.NDArray[np.intp]
     bands: Floats
     wanted: Floats
@@ -54,12 +55,12 @@ class Goals:
             raise ValueError("there is no target: give the irradiance of at least one surface")
         parts = [_Part.of(patches, target) for target in targets]
         ends = np.cumsum([len(part.wanted) for part in parts])
-        first_sum = np.cumsum([0, *(len(part.weights) for part in parts[:-1])])
+        first_sum = np.cumsum([0, *(part.weights.shape[0] for part in parts[:-1])])
         wanted = np.concatenate([part.wanted for part in parts])
         share = np.concatenate([part.share for part in parts])
         mean = np.average(wanted, weights=share)
         return cls(
-            weights=np.concatenate([part.weights for part in parts]),
+            weights=vstack([part.weights for part in parts], format="csr"),
             sums=np.concatenate([part.sums + k for part, k in zip(parts, first_sum, strict=True)]),
             bands=np.concatenate([part.bands for part in parts]),
             wanted=wanted,
@@ -104,7 +105,7 @@ class Goals:
 class _Part:
     """The rows of one target; fields as in :class:`Goals`."""
 
-    weights: Floats
+    weights: csr_array
     sums: npt.NDArray[np.intp]
     bands: Floats
     wanted: Floats
@@ -112,33 +113,43 @@ class _Part:
 
     @classmethod
     def of(cls, patches: Patches, target: Target) -> _Part:
-        mean = weights_of(patches, target.surface)[:, 0]
-        value = np.asarray(target.value, dtype=np.float64)
+        value, is_grey = _checked(patches, target)
         n_bands = len(patches.scene.bands)
-        where = f"the target of surface '{target.surface}'"
-        if not (np.all(np.isfinite(value)) and np.all(value >= 0)):
-            raise ValueError(f"{where} must be finite and not negative, in W/m2, not {value.tolist()}")
-        if not (np.isfinite(target.weight) and target.weight > 0):
-            raise ValueError(f"the weight of {where} must be a positive number, not {target.weight}")
-        on = np.flatnonzero(named(patches, target.surface))
-        if value.ndim == 2 and (len(value) != len(on) or value.shape[1] not in (1, n_bands)):
-            raise ValueError(f"{where} has a row for each of {value.shape[0]} patches and {value.shape[1]} bands: "
-                             f"the surface has {len(on)} patches, the scene {n_bands} bands")  # fmt: skip
-        if value.ndim > 2 or (value.ndim == 1 and len(value) != n_bands):
-            raise ValueError(f"{where} is a number, one for each of {n_bands} bands, or a row for each of {len(on)} "
-                             f"patches, not an array of shape {value.shape}")  # fmt: skip
-        is_grey = value.ndim == 0 or (value.ndim == 2 and value.shape[1] == 1 != n_bands)
+        mean = weights_of(patches, target.surface)[:, 0]
         spectra = np.full((1, n_bands), 1 / n_bands) if is_grey else np.eye(n_bands)
         if value.ndim < 2 and not target.even:
-            weights, area = mean[None], np.ones(1)
+            weights, area, value = csr_array(mean[None]), np.ones(1), value.reshape(1, -1)
         else:
-            weights, area = np.eye(len(mean))[on], mean[on]
-            keep = area > 0
-            weights, area = weights[keep], area[keep]
-            value = value[keep] if value.ndim == 2 else value
-        rows, kinds = len(weights), len(spectra)
-        wanted = np.broadcast_to(value if value.ndim == 2 else value.reshape(1, -1), (rows, kinds))
+            on = np.flatnonzero(named(patches, target.surface))
+            has_area = mean[on] > 0
+            value = value[has_area] if value.ndim == 2 else value.reshape(1, -1)
+            on = on[has_area]
+            area = mean[on]
+            weights = csr_array((np.ones(len(on)), (np.arange(len(on)), on)), shape=(len(on), len(mean)))
+        rows, kinds = len(area), len(spectra)
         return cls(
-            weights, np.repeat(np.arange(rows), kinds), np.tile(spectra, (rows, 1)), wanted.ravel().copy(),
-            np.repeat(area, kinds) / kinds,
+            weights, np.repeat(np.arange(rows), kinds), np.tile(spectra, (rows, 1)),
+            np.broadcast_to(value, (rows, kinds)).ravel().copy(), np.repeat(area, kinds) / kinds,
         )  # fmt: skip
+
+
+def _checked(patches: Patches, target: Target) -> tuple[Floats, bool]:
+    """The value of a target, and whether it is of the mean over bands.
+
+    Raises:
+        ValueError: it makes no sense.
+    """
+    value, n_bands = np.asarray(target.value, dtype=np.float64), len(patches.scene.bands)
+    n_patches = int(np.count_nonzero(named(patches, target.surface)))
+    where = f"the target of surface '{target.surface}'"
+    if not (np.all(np.isfinite(value)) and np.all(value >= 0)):
+        raise ValueError(f"{where} must be finite and not negative, in W/m2, not {value.tolist()}")
+    if not (np.isfinite(target.weight) and target.weight > 0):
+        raise ValueError(f"the weight of {where} must be a positive number, not {target.weight}")
+    if value.ndim == 2 and (len(value) != n_patches or value.shape[1] not in (1, n_bands)):
+        raise ValueError(f"{where} has a row for each of {value.shape[0]} patches and {value.shape[1]} bands: "
+                         f"the surface has {n_patches} patches, the scene {n_bands} bands")  # fmt: skip
+    if value.ndim > 2 or (value.ndim == 1 and len(value) != n_bands):
+        raise ValueError(f"{where} is a number, one for each of {n_bands} bands, or a row for each of {n_patches} "
+                         f"patches, not an array of shape {value.shape}")  # fmt: skip
+    return value, value.ndim == 0 or (value.ndim == 2 and value.shape[1] == 1 != n_bands)

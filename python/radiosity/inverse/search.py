@@ -64,9 +64,9 @@ class Problem:
     def jacobian(self, x: Floats) -> Floats:
         """(n_rows, n) derivatives of the values, by adjoint solves."""
         goals, bands = self.goals, self.goals.bands.shape[1]
-        by_lever = np.empty((len(goals.weights), len(self.levers.all), bands))
+        by_lever = np.empty((goals.weights.shape[0], len(self.levers.all), bands))
         for first in range(0, len(by_lever), TOGETHER):
-            weights = goals.weights[first : first + TOGETHER]
+            weights = goals.weights[first : first + TOGETHER].toarray()
             by_lever[first : first + TOGETHER] = self._by_lever(x, np.repeat(weights[:, :, None], bands, axis=2))
         return self._columns(by_lever)
 
@@ -84,7 +84,7 @@ class Problem:
         """The sum of squared misses and its gradient, from one adjoint solve."""
         goals = self.goals
         misses = self.values(x) - goals.wanted
-        by_sum = np.zeros((len(goals.weights), goals.bands.shape[1]))
+        by_sum = np.zeros((goals.weights.shape[0], goals.bands.shape[1]))
         np.add.at(by_sum, goals.sums, (2 * goals.factor**2 * misses)[:, None] * goals.bands)
         found = self._by_lever(x, (goals.weights.T @ by_sum)[None])[0]
         gradient = np.concatenate([lever.spectra @ f for lever, f in zip(self.levers.all, found, strict=True)])
@@ -117,7 +117,7 @@ def optimum(problem: Problem, start: Floats, max_evaluations: int) -> Floats:
 def _linear(problem: Problem, x: Floats, free: npt.NDArray[np.bool_]) -> Floats:
     """Lamps alone: bounded linear least squares, on derivatives that hold everywhere."""
     goals, levers = problem.goals, problem.levers
-    fewer_lamps = len(levers.all) < len(goals.weights) and bool(np.all(free))
+    fewer_lamps = len(levers.all) < goals.weights.shape[0] and bool(np.all(free))
     jacobian = (problem.by_relighting() if fewer_lamps else problem.jacobian(x))[:, free]
     low, high, power = levers.low[free], levers.high[free], levers.power[free]
     for _ in range(MOST_CORRECTIONS):
@@ -153,7 +153,7 @@ def _search(problem: Problem, start: Floats, max_evaluations: int, reference: fl
     if reference:
         row = problem.economy * np.sqrt(np.sum(goals.weight**2 * goals.share)) * levers.power / reference
     span = np.where(np.isfinite(levers.high), levers.high - levers.low, np.maximum(start, 1.0))
-    way = _quasi_newton if len(goals.weights) > MOST_SUMS else _gauss_newton
+    way = _quasi_newton if goals.weights.shape[0] > MOST_SUMS else _gauss_newton
     return way(problem, start, row, span, max_evaluations)
 
 
