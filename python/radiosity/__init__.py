@@ -18,32 +18,44 @@ if TYPE_CHECKING:
     from radiosity._native import ResourceError, SceneError, __version__
     from radiosity.certificate import Certificate
     from radiosity.factors import FormFactors, form_factors
+    from radiosity.inverse import Design, Emission, Reflectance, Strength, Target, design
     from radiosity.patches import Patches
     from radiosity.report import Report
     from radiosity.scene import Camera, DirectionalLight, Finding, PointLight, Scene, SpotLight, Surface, load
+    from radiosity.sensitivity import Sensitivity
     from radiosity.snapshot import Snapshot
     from radiosity.solution import Solution, solve
     from radiosity.surface_factors import SurfaceFactors
 
 __all__ = [
     "Camera",
+<<<<<<< HEAD
     "Certificate",
+=======
+    "Design",
+>>>>>>> adjoint
     "DirectionalLight",
+    "Emission",
     "Finding",
     "FormFactors",
     "Patches",
     "PointLight",
+    "Reflectance",
     "Report",
     "ResourceError",
     "Scene",
     "SceneError",
+    "Sensitivity",
     "Snapshot",
     "Solution",
     "SpotLight",
+    "Strength",
     "Surface",
     "SurfaceFactors",
+    "Target",
     "__version__",
     "catalogue",
+    "design",
     "diagnosis",
     "form_factors",
     "load",
@@ -60,6 +72,12 @@ _HOME = {
     "__version__": "_native",
     "FormFactors": "factors",
     "form_factors": "factors",
+    "Design": "inverse",
+    "Emission": "inverse",
+    "Reflectance": "inverse",
+    "Strength": "inverse",
+    "Target": "inverse",
+    "design": "inverse",
     "Patches": "patches",
     "Report": "report",
     "Camera": "scene",
@@ -70,6 +88,7 @@ _HOME = {
     "SpotLight": "scene",
     "Surface": "scene",
     "load": "scene",
+    "Sensitivity": "sensitivity",
     "Snapshot": "snapshot",
     "Solution": "solution",
     "solve": "solution",
@@ -82,11 +101,13 @@ _MODULES = {
     "diagnosis",
     "factors",
     "files",
+    "inverse",
     "patches",
     "picture",
     "report",
     "scene",
     "scenes",
+    "sensitivity",
     "snapshot",
     "shooting",
     "solution",

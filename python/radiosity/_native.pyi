@@ -141,6 +141,15 @@ class Solution:
         progress: _Progress | None = None,
         as_field: bool = False,
     ) -> Solution: ...
+    def gradients(
+        self,
+        reflectance: _Floats,
+        emission: _Floats,
+        lamps: list[LightTuple],
+        weights: _Floats,
+        threads: int | None = None,
+        progress: _Progress | None = None,
+    ) -> list[_Floats]: ...
 
 @final
 class ExchangeFile:

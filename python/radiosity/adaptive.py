@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 from radiosity import _native
 from radiosity.patches import Patches
@@ -230,11 +231,14 @@ class _Search:
 
 
 FLOOR = 0.05
-"""What the squared error matters on surfaces that are not in focus, besides what their light does to it."""
+"""What the squared error matters at least where it hardly reaches the surface in focus."""
 
 
 def focus_on(scene: Scene, name: str) -> Callable[[Solution | None, Patches], Floats]:
-    """What matters where the surface of that name matters.
+    """How much a squared error matters where the light on the surface of that name does.
+
+    There it matters as it is. Elsewhere an error of irradiance is reflected and arrives with what the adjoint solution
+    says that light from there is worth.
 
     Raises:
         ValueError: there is no such surface.
@@ -246,8 +250,16 @@ def focus_on(scene: Scene, name: str) -> Callable[[Solution | None, Patches], Fl
     chosen = np.array([other == name for other in names])
 
     def weigh(solution: Solution | None, patches: Patches) -> Floats:
-        del solution
-        return np.where(chosen[patches.surface], 1.0, FLOOR)
+        weight = np.where(chosen[patches.surface], 1.0, FLOOR)
+        if solution is None:
+            return weight
+        of, area = solution.patches, float(solution.patches.area[chosen[solution.patches.surface]].sum())
+        worth = (solution.reflectance * solution.sensitivity(name).importance).mean(axis=1) * area
+        # The other mesh is a finer one of the same faces; offset by surface, so that none borrows from another.
+        apart = 10 * float(np.ptp(of.centre, axis=0).max())
+        key = [np.column_stack([p.centre, apart * p.surface]) for p in (of, patches)]
+        nearest = cKDTree(key[0]).query(key[1])[1]
+        return np.maximum(weight, worth[nearest] ** 2)
 
     return weigh
 

@@ -15,7 +15,7 @@ from radiosity import _native
 from radiosity.checks import memory_or_most, threads_or_all, whole
 from radiosity.files import write_whole
 from radiosity.patches import Patches
-from radiosity.solution import Floats, Progress, Solution, _lamps, _per_patch
+from radiosity.solution import Floats, Progress, Solution, _lamps, _per_light, _per_patch
 
 _FORMAT = "radiosity shooting state"
 
@@ -54,11 +54,15 @@ class ShootingSolution(Solution):
             self.patches, self.reflectance, self.emission, accuracy=accuracy,
             max_rays=self._options["max_rays"] if max_rays is None else max_rays, memory_limit=memory_limit,
             time_limit=time_limit, state=self._native.state, seed=self._options["seed"], threads=threads,
-            progress=progress,
+            progress=progress, lights=self._options.get("lights"),
         )  # fmt: skip
 
     def relight(
-        self, *, emission: npt.ArrayLike | None = None, reflectance: npt.ArrayLike | None = None
+        self,
+        *,
+        emission: npt.ArrayLike | None = None,
+        reflectance: npt.ArrayLike | None = None,
+        lights: npt.ArrayLike | None = None,
     ) -> ShootingSolution:
         """The equilibrium with other lamps or paint on the same geometry, shot afresh.
 
@@ -68,12 +72,14 @@ class ShootingSolution(Solution):
         Args:
             emission: W/m2, broadcast to (n_patches, n_bands), or (n_surfaces, n_bands) to set whole surfaces.
             reflectance: likewise, in [0, 1).
+            lights: strength of the lights without area, broadcast to (n_lights, n_bands).
         """
         new_emission = self.emission if emission is None else _per_patch(self.patches, emission, "emission")
         new_reflectance = (
             self.reflectance if reflectance is None else _per_patch(self.patches, reflectance, "reflectance")
         )
-        return _shoot(self.patches, new_reflectance, new_emission, **self._options)
+        options = self._options if lights is None else self._options | {"lights": _per_light(self.lights, lights)}
+        return _shoot(self.patches, new_reflectance, new_emission, **options)
 
     def save_state(self, path: str | os.PathLike[str]) -> None:
         """Write what :func:`load_state` goes on from: an ``.npz`` file that appears whole or not at all.
@@ -177,16 +183,18 @@ def _shoot(
     progress: Progress | None = None,
     state: _native.ShootingState | None = None,
     why: str = "",
+    lights: Floats | None = None,
 ) -> ShootingSolution:
     threads, seed = threads_or_all(threads), whole(seed, "seed", 0, 2**64 - 1)
     seconds = math.inf if time_limit is None else float(time_limit)
     if not seconds > 0:
         raise ValueError(f"time_limit must be a positive number of seconds, not {time_limit}")
     native = _native.shoot(
-        patches._enclosure, reflectance, emission, _lamps(patches.scene), accuracy, seed,
+        patches._enclosure, reflectance, emission, _lamps(patches.scene, lights), accuracy, seed,
         whole(max_rays, "max_rays", 1, 2**32 - 1), memory_or_most(memory_limit), seconds, state, threads, progress,
     )  # fmt: skip
-    options = {"accuracy": float(accuracy), "max_rays": max_rays, "threads": threads, "seed": seed}
+    options: dict[str, Any] = {"accuracy": float(accuracy), "max_rays": max_rays, "threads": threads, "seed": seed}
+    options |= {} if lights is None else {"lights": lights}
     return ShootingSolution(patches, native, reflectance, emission, options, why=why)
 
 

@@ -24,6 +24,7 @@ from radiosity.snapshot import OnIterate, handed_to
 
 if TYPE_CHECKING:
     from radiosity.adaptive import Step
+    from radiosity.sensitivity import Functional, Sensitivity
 
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int, int], object]
@@ -132,28 +133,62 @@ class Solution:
         values[patch < 0] = np.nan
         return np.asarray(values)
 
-    def relight(self, *, emission: npt.ArrayLike | None = None, reflectance: npt.ArrayLike | None = None) -> Solution:
+    @property
+    def lights(self) -> Floats:
+        """(n_lights, n_bands) strength of the lights without area: W/sr, or W/m2 of parallel light."""
+        given = self._options.get("lights")
+        own = np.array([tuple_[-1] for tuple_ in _lamps(self.patches.scene)])
+        return own.reshape(-1, len(self.patches.scene.bands)) if given is None else given
+
+    def relight(
+        self,
+        *,
+        emission: npt.ArrayLike | None = None,
+        reflectance: npt.ArrayLike | None = None,
+        lights: npt.ArrayLike | None = None,
+    ) -> Solution:
         """The equilibrium with other lamps or paint on the same geometry, without a new ray.
 
         Args:
             emission: W/m2, broadcast to (n_patches, n_bands), or (n_surfaces, n_bands) to set whole surfaces.
             reflectance: likewise, in [0, 1).
+            lights: strength of the lights without area, broadcast to (n_lights, n_bands).
 
         Lamps that were dark when the exchange was measured are found by rays only, so their light is noisier than if
-        they had shone; ``error`` says how noisy.
+        they had shone; ``error`` says how noisy. A light without area that was dark then stays dark.
         """
         new_emission = self.emission if emission is None else _per_patch(self.patches, emission, "emission")
         new_reflectance = (
             self.reflectance if reflectance is None else _per_patch(self.patches, reflectance, "reflectance")
         )
-        o = self._options
+        o = self._options if lights is None else {**self._options, "lights": _per_light(self.lights, lights)}
         native = self._native.relight(
-            new_reflectance, new_emission, _lamps(self.patches.scene), o["accuracy"], o["solver"], o["exact"],
-            o["max_iterations"], o["threads"], as_field=self.report.of_field,
+            new_reflectance, new_emission, _lamps(self.patches.scene, o.get("lights")), o["accuracy"], o["solver"],
+            o["exact"], o["max_iterations"], o["threads"], as_field=self.report.of_field,
         )  # fmt: skip
         return Solution(
-            self.patches, native, new_reflectance, new_emission, self._options, self.report.transport, self.report.why
-        )
+            self.patches, native, new_reflectance, new_emission, o, self.report.transport, self.report.why
+        )  # fmt: skip
+
+    def sensitivity(self, target: Functional, *, progress: Progress | None = None) -> Sensitivity:
+        """How a mean of irradiance, or another weighted sum of it, changes with every lamp and every paint.
+
+        Derivatives by all emissions, all reflectances and all lights without area, from one solve of the adjoint
+        equations: exactly those of the discrete equations on this exchange, so that differences of ``relight`` are
+        the same but for what the solver leaves. Bands are apart: what a band of the target owes to the same band.
+
+        Args:
+            target: the name of a surface, for the mean irradiance of its fronts by area; or weights of irradiance of
+                the fronts, (n_patches,) or (n_patches, n_bands).
+            progress: called with (done, total) some twenty times a second.
+
+        Raises:
+            ValueError: there is no such surface, weights of another shape, or a solution that kept no exchange (by
+                shooting, or on rows drawn on demand).
+        """
+        from radiosity.sensitivity import of  # noqa: PLC0415
+
+        return of(self, target, progress)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the solution: ``.glb`` (a lit model), ``.npz`` (all arrays) or ``.vtp`` (ParaView).
@@ -181,8 +216,20 @@ def _per_patch(patches: Patches, values: npt.ArrayLike, what: str) -> Floats:
         raise ValueError(f"{what} of shape {array.shape} does not fit (n_patches, n_bands) = {shape}") from e
 
 
-def _lamps(scene: Scene) -> list[_native.LightTuple]:
-    return [light._tuple(len(scene.bands)) for light in scene.lights]
+def _per_light(old: Floats, values: npt.ArrayLike) -> Floats:
+    """Broadcast strengths to (n_lights, n_bands)."""
+    array = np.asarray(values, dtype=np.float64)
+    try:
+        return np.array(np.broadcast_to(array, old.shape))
+    except ValueError as e:
+        raise ValueError(f"lights of shape {array.shape} do not fit (n_lights, n_bands) = {old.shape}") from e
+
+
+def _lamps(scene: Scene, strengths: Floats | None = None) -> list[_native.LightTuple]:
+    lamps = [light._tuple(len(scene.bands)) for light in scene.lights]
+    if strengths is None:
+        return lamps
+    return [(*lamp[:-1], strength) for lamp, strength in zip(lamps, strengths.tolist(), strict=True)]
 
 
 def solve(

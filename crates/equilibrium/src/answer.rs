@@ -1,5 +1,7 @@
 //! From the samples to irradiance: solve on sides, sweep to elements, gather per replicate.
 
+mod transposed;
+
 use crate::lighting::Lighting;
 use crate::solve::Measurement;
 use crate::transport::Transport;
@@ -281,6 +283,29 @@ impl Task<'_> {
         fine: &Fine<C>,
         side: usize,
     ) -> (Vec<Values<C>>, Values<C>) {
+        let seen = self.see(elements, strengths, fine, side);
+        let patch = self.transport().enclosure().patch_of(side);
+        let of = |block: &[f64]| -> Values<C> { std::array::from_fn(|c| block[first + c]) };
+        let emission = of(self.lighting.emission_of(patch));
+        let reflectance = of(self.lighting.reflectance_of(patch));
+        let whole = seen.iter().fold(Seen::default(), |a, b| a.plus(b));
+        let radiosity = |s: &Seen<C>| {
+            let irradiance = s.irradiance(&whole);
+            std::array::from_fn(|c| emission[c] + reflectance[c] * irradiance[c])
+        };
+        let values: Vec<Values<C>> = seen.iter().map(radiosity).collect();
+        let mean = mean_over_exposed(&seen, &values).unwrap_or(emission);
+        (values, mean)
+    }
+
+    /// What the elements of a side see through its samples.
+    fn see<const C: usize>(
+        &self,
+        elements: &Elements,
+        strengths: &[Values<C>],
+        fine: &Fine<C>,
+        side: usize,
+    ) -> Vec<Seen<C>> {
         let (start, count) = (elements.of(side).start, elements.of(side).len());
         let mut seen = vec![Seen::<C>::default(); count];
         for shot in self.transport().shots().of(side).flatten() {
@@ -299,18 +324,7 @@ impl Task<'_> {
                 add(&mut element.by_lights, f64::from(sample.weight), source);
             }
         }
-        let patch = self.transport().enclosure().patch_of(side);
-        let of = |block: &[f64]| -> Values<C> { std::array::from_fn(|c| block[first + c]) };
-        let emission = of(self.lighting.emission_of(patch));
-        let reflectance = of(self.lighting.reflectance_of(patch));
-        let whole = seen.iter().fold(Seen::default(), |a, b| a.plus(b));
-        let radiosity = |s: &Seen<C>| {
-            let irradiance = s.irradiance(&whole);
-            std::array::from_fn(|c| emission[c] + reflectance[c] * irradiance[c])
-        };
-        let values: Vec<Values<C>> = seen.iter().map(radiosity).collect();
-        let mean = mean_over_exposed(&seen, &values).unwrap_or(emission);
-        (values, mean)
+        seen
     }
 
     /// The element a ray sees, unless that is measured by area or there is none.
@@ -434,12 +448,21 @@ impl<const C: usize> Seen<C> {
 
     /// Irradiance of the exposed part. An element that no sample of one kind fell on has its side's of that kind.
     fn irradiance(&self, whole: &Seen<C>) -> Values<C> {
-        let by_rays = if self.shots > 0 { self } else { whole };
-        let by_lights = if self.lights > 0 { self } else { whole };
-        let per_ray = ratio(1.0, by_rays.open());
-        let exposure = ratio(by_rays.open(), f64::from(by_rays.shots));
-        let per_light = ratio(1.0, f64::from(by_lights.lights) * exposure);
+        let (by_rays, by_lights) = self.or(whole);
+        let (per_ray, per_light) = self.weights(whole);
         std::array::from_fn(|c| by_rays.by_rays[c] * per_ray + by_lights.by_lights[c] * per_light)
+    }
+
+    /// Whose rays and whose light samples count.
+    fn or<'a>(&'a self, whole: &'a Seen<C>) -> (&'a Seen<C>, &'a Seen<C>) {
+        (if self.shots > 0 { self } else { whole }, if self.lights > 0 { self } else { whole })
+    }
+
+    /// What a ray and a light sample of those count.
+    fn weights(&self, whole: &Seen<C>) -> (f64, f64) {
+        let (by_rays, by_lights) = self.or(whole);
+        let exposure = ratio(by_rays.open(), f64::from(by_rays.shots));
+        (ratio(1.0, by_rays.open()), ratio(1.0, f64::from(by_lights.lights) * exposure))
     }
 }
 

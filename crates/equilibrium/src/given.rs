@@ -50,7 +50,7 @@ pub fn relight_given(
     let enclosure = &factors.enclosure;
     let of_exchange = factors.operator.pairs().is_none();
     let lamps = if of_exchange { lighting.luminaires(enclosure) } else { incident::without_area(lighting) };
-    let relit = match incident.relit(enclosure, lighting, &lamps) {
+    let relit = match incident.relit(enclosure, lighting, &lamps, control)? {
         Some(relit) => relit,
         None => {
             let (exposed, each) = (incident.exposed().clone(), incident::tests(settings.accuracy));

@@ -36,6 +36,9 @@ pub struct Incident {
     groups: Groups,
     /// The share of each side on which no solid stands; empty where nobody asked. Means are over that.
     exposed: Arc<Vec<f32>>,
+    /// Tests from a side, per replicate, and their seed: the same tests can be made again.
+    each: u32,
+    seed: u64,
     /// Sides x groups: mean and squared standard error for a strength of one.
     units: Vec<[f32; 2]>,
 }
@@ -118,19 +121,28 @@ impl Incident {
             luminaires,
             groups,
             exposed,
+            each,
+            seed,
         };
         if incident.luminaires.list.is_empty() {
             return Ok(incident);
         }
         control.expect(sides as u64 * u64::from(each) * REPLICATES as u64);
-        for start in (0..sides).step_by(BATCH) {
-            incident.test(enclosure, lighting, start..(start + BATCH).min(sides), each, seed, control)?;
+        for batch in batches(sides) {
+            incident.test(enclosure, lighting, batch, control)?;
         }
         Ok(incident)
     }
 
-    /// The same lamps at other strengths; none if they no longer shine alike that did, or there are others.
-    pub(crate) fn relit(&self, enclosure: &Enclosure, lighting: &Lighting, luminaires: &Luminaires) -> Option<Self> {
+    /// The same lamps at other strengths, by the same tests: made again if they no longer shine alike that did. None if
+    /// there are other lamps.
+    pub(crate) fn relit(
+        &self,
+        enclosure: &Enclosure,
+        lighting: &Lighting,
+        luminaires: &Luminaires,
+        control: &Control,
+    ) -> Result<Option<Self>, Cancelled> {
         let (groups, list) = (&self.groups, &self.luminaires.list);
         let of = |k: usize| strength(&self.luminaires, lighting, enclosure, k);
         let are_alike = || (0..list.len()).all(|k| of(k) == of(groups.first[groups.of[k] as usize]));
@@ -138,8 +150,12 @@ impl Incident {
         let mut old = list.iter();
         // Both are in one order.
         let are_known = luminaires.list.iter().all(|l| old.any(|o| o == l));
-        if !(groups.are_few() && are_known && are_alike()) {
-            return None;
+        if !are_known {
+            return Ok(None);
+        }
+        if !(groups.are_few() && are_alike()) {
+            let (luminaires, exposed) = (self.luminaires.clone(), self.exposed.clone());
+            return Self::new(enclosure, lighting, luminaires, exposed, self.each, self.seed, control).map(Some);
         }
         let (bands, count) = (lighting.bands, groups.first.len());
         let mut relit = Self {
@@ -150,6 +166,8 @@ impl Incident {
             groups: Groups { of: groups.of.clone(), first: groups.first.clone() },
             units: self.units.clone(),
             exposed: self.exposed.clone(),
+            each: self.each,
+            seed: self.seed,
         };
         let errors = relit.standard_error.par_chunks_mut(bands);
         let units = self.units.par_chunks(count.max(1));
@@ -162,7 +180,7 @@ impl Incident {
             }
             error.iter_mut().for_each(|e| *e = e.sqrt());
         });
-        Some(relit)
+        Ok(Some(relit))
     }
 
     /// Power from lights without area, W per band: what arrives from sides is theirs.
@@ -215,20 +233,66 @@ impl Incident {
         relative_rms(enclosure, irradiance, bands, error)
     }
 
+    /// What a strength of one of each luminaire is worth, where irradiance of each side is worth so much: from sides x
+    /// columns to luminaires x columns. The tests are made again, as lamps that shine alike are not kept apart.
+    pub(crate) fn transposed(
+        &self,
+        enclosure: &Enclosure,
+        worth: &[f64],
+        columns: usize,
+        control: &Control,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let mut by_luminaire = vec![0.0; self.luminaires.list.len() * columns];
+        if by_luminaire.is_empty() {
+            return Ok(by_luminaire);
+        }
+        for batch in batches(enclosure.sides()) {
+            let samples = self.samples(enclosure, &batch, control)?;
+            for side in batch {
+                let (worth, per_test) = (&worth[side * columns..][..columns], self.per_test(side) / REPLICATES as f64);
+                for sample in samples.of(side).flatten().filter(|sample| sample.weight > 0.0) {
+                    let weight = f64::from(sample.weight) * per_test;
+                    let out = &mut by_luminaire[sample.luminaire as usize * columns..][..columns];
+                    out.iter_mut().zip(worth).for_each(|(o, w)| *o += weight * w);
+                }
+            }
+        }
+        Ok(by_luminaire)
+    }
+
+    /// The luminaires, lights without area last.
+    pub(crate) fn luminaires(&self) -> &[Luminaire] {
+        &self.luminaires.list
+    }
+
+    /// What a test of a side counts in the mean of its replicate. What is buried receives nothing, and does not count.
+    fn per_test(&self, side: usize) -> f64 {
+        ratio(1.0, self.exposed_share(side)) / f64::from(self.each)
+    }
+
+    /// The tests from a few sides.
+    fn samples(
+        &self,
+        enclosure: &Enclosure,
+        sides: &Range<usize>,
+        control: &Control,
+    ) -> Result<Samples<LightSample>, Cancelled> {
+        let mut samples = Samples::new(enclosure.sides(), REPLICATES);
+        let wanted: Vec<u32> =
+            (0..enclosure.sides()).map(|side| if sides.contains(&side) { self.each } else { 0 }).collect();
+        self.luminaires.sample(enclosure, &mut samples, &wanted, self.seed, control)?;
+        Ok(samples)
+    }
+
     fn test(
         &mut self,
         enclosure: &Enclosure,
         lighting: &Lighting,
         sides: Range<usize>,
-        each: u32,
-        seed: u64,
         control: &Control,
     ) -> Result<(), Cancelled> {
         let (bands, count) = (lighting.bands, self.groups.first.len());
-        let mut samples = Samples::<LightSample>::new(enclosure.sides(), REPLICATES);
-        let wanted: Vec<u32> =
-            (0..enclosure.sides()).map(|side| if sides.contains(&side) { each } else { 0 }).collect();
-        self.luminaires.sample(enclosure, &mut samples, &wanted, seed, control)?;
+        let samples = self.samples(enclosure, &sides, control)?;
         self.tests += samples.total() as u64;
         let strengths: Vec<&[f64]> =
             self.groups.first.iter().map(|&k| strength(&self.luminaires, lighting, enclosure, k)).collect();
@@ -237,8 +301,7 @@ impl Incident {
             .clone()
             .into_par_iter()
             .map(|side| {
-                // What is buried receives nothing, and does not count.
-                let share = ratio(1.0, self.exposed_share(side)) / f64::from(each);
+                let share = self.per_test(side);
                 // Per replicate and group, for a strength of one.
                 let mut units = vec![[0.0; REPLICATES]; count];
                 (0..REPLICATES).for_each(|replicate| {
@@ -266,6 +329,11 @@ impl Incident {
         }
         Ok(())
     }
+}
+
+/// All sides, a few at a time.
+fn batches(sides: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..sides).step_by(BATCH).map(move |start| start..(start + BATCH).min(sides))
 }
 
 /// Of a side: means and errors by band, and what it receives of each group for a strength of one.

@@ -12,6 +12,7 @@
 //! 5. **Estimate** the error from the spread of the replicates, carried through the interreflections, and from what
 //!    the elements changed. While it is too large, spend rays where they reduce it most.
 
+pub mod adjoint;
 pub mod answer;
 pub mod energy;
 pub mod error;
@@ -28,6 +29,7 @@ pub mod shooting;
 pub mod solve;
 pub mod transport;
 
+pub use adjoint::{Gradient, gradients};
 pub use energy::Energy;
 pub use given::solve_given;
 pub use incident::Incident;

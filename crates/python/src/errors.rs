@@ -20,6 +20,14 @@ pub fn failure(error: Failure) -> PyErr {
     }
 }
 
+pub fn gradients(error: radiosity_equilibrium::adjoint::Failure) -> PyErr {
+    use radiosity_equilibrium::adjoint::Failure;
+    match error {
+        Failure::Cancelled => pyo3::exceptions::PyKeyboardInterrupt::new_err(error.to_string()),
+        Failure::OnDemand | Failure::Diverged => PyValueError::new_err(error.to_string()),
+    }
+}
+
 pub fn factors(error: radiosity_exchange::factors::Failure) -> PyErr {
     use radiosity_exchange::factors::Failure;
     match error {

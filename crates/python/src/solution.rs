@@ -7,7 +7,7 @@ use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use radiosity_equilibrium::{Closure, Failure, Lamp, Lighting, Method, Report, Settings, Source};
+use radiosity_equilibrium::{Closure, Failure, Gradient, Lamp, Lighting, Method, Report, Settings, Source};
 use radiosity_exchange::Luminaire;
 use radiosity_operator::Control;
 use radiosity_solvers::{Flow, Observer, Snapshot};
@@ -95,6 +95,35 @@ impl Solution {
             threads,
             progress,
         )
+    }
+
+    /// Derivatives of sums of irradiance of fronts by emission, reflectance and strengths of lamps; sums one below
+    /// another: weights (sums x n_patches, bands), answers (sums x n_patches or n_lamps, bands).
+    #[pyo3(signature = (reflectance, emission, lamps, weights, threads=None, progress=None))]
+    fn gradients<'py>(
+        &self,
+        py: Python<'py>,
+        reflectance: PyReadonlyArray2<'_, f64>,
+        emission: PyReadonlyArray2<'_, f64>,
+        lamps: Vec<LightTuple>,
+        weights: PyReadonlyArray2<'_, f64>,
+        threads: Option<usize>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<[Bound<'py, PyArray2<f64>>; 3]> {
+        let lighting = lighting_in(self.inner.source.enclosure(), reflectance, emission, lamps)?;
+        let rows = self.inner.source.enclosure().patches().len();
+        let sums = weights.as_array().nrows() / rows.max(1);
+        let weights = convert::block_in(&weights, sums * rows, self.bands, "weights")?;
+        let weights: Vec<Vec<f64>> =
+            weights.chunks_exact((rows * self.bands).max(1)).take(sums).map(<[f64]>::to_vec).collect();
+        let found = watch::run(py, threads, progress.as_ref(), |control| {
+            radiosity_equilibrium::gradients(&self.inner, &lighting, &weights, control)
+        })?;
+        let found = found.map_err(errors::gradients)?;
+        let block = |of: fn(&Gradient) -> &Vec<f64>| {
+            convert::block_out(py, found.iter().flat_map(of).copied().collect(), self.bands)
+        };
+        Ok([block(|g| &g.emission), block(|g| &g.reflectance), block(|g| &g.lamps)])
     }
 }
 

@@ -6,15 +6,15 @@ from typing import Annotated
 
 import typer
 
-from radiosity.cli import check, demo, factors, render, scenes, solve
+from radiosity.cli import check, demo, design, factors, render, scenes, solve
 
 app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog="Exit codes: 0 done, 2 bad arguments, 3 bad input file, 4 accuracy not reached within the limits, "
-    "5 out of memory or disk, 130 interrupted.",
+    epilog="Exit codes: 0 done, 2 bad arguments, 3 bad input file, 4 accuracy not reached within the limits "
+    "or targets missed, 5 out of memory or disk, 130 interrupted.",
 )
 
 
@@ -36,6 +36,7 @@ def _radiosity(
 
 
 app.command("solve")(solve.solve)
+app.command("design")(design.design)
 app.command("render")(render.render)
 app.command("factors")(factors.factors)
 app.command("check")(check.check)

@@ -17,7 +17,8 @@ class ExitCode(enum.IntEnum):
     ARGUMENTS = 2
     INPUT = 3
     ACCURACY = 4
-    """The accuracy asked for was not reached within the limits given; results are saved all the same."""
+    """The accuracy asked for was not reached within the limits given, or targets of a design were missed; results are
+    saved all the same."""
     RESOURCES = 5
     """Memory or disk."""
     INTERRUPTED = 130
