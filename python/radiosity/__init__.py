@@ -29,11 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Camera",
-<<<<<<< HEAD
     "Certificate",
-=======
     "Design",
->>>>>>> adjoint
     "DirectionalLight",
     "Emission",
     "Finding",
