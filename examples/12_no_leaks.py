@@ -21,7 +21,12 @@ from leaks import CORPUS, Leak, most_light_in_the_dark
 OUT = Path(sys.argv[1] if len(sys.argv) > 1 else "out")
 OUT.mkdir(parents=True, exist_ok=True)
 
-SHOWN = ("thin_sheet", "turned_wall", "lean_to", "cupboard", "stacked_boxes", "staircase", "table", "corner_column")
+SHOWN: dict[str, tuple[str, ...]] = {
+    "thin_sheet": (), "turned_wall": (), "lean_to": (), "crossing_sheets": (),
+    "cupboard": ("cupboard",), "corner_column": ("box 0",),
+    "stacked_boxes": ("box 1",), "staircase": tuple(f"box {i}" for i in range(6)),
+}  # fmt: skip
+"""Scenes, and of which surfaces only the edges are drawn, so that the dark beneath and behind them shows."""
 COLOURS = LogNorm(2e-3, 6)
 DARK = "#15151c"
 
@@ -31,17 +36,23 @@ RIGHT = np.cross([0, 0, 1], TOWARD_EYE) / np.linalg.norm(np.cross([0, 0, 1], TOW
 UP = np.cross(TOWARD_EYE, RIGHT)
 
 
-def draw(axes: Axes, solution: radiosity.Solution) -> None:
+def draw(axes: Axes, solution: radiosity.Solution, outlined: tuple[str, ...]) -> None:
     """Patches from the farthest to the nearest, with the irradiance of the side that is seen."""
     patches = solution.patches
+    surfaces = patches.scene.surfaces
     facing = patches.normal @ TOWARD_EYE
-    seen = np.flatnonzero((facing > 1e-9) | ((facing < -1e-9) & patches.two_sided))
+    is_open = np.array([surface.name in outlined for surface in surfaces])[patches.surface]
+    seen = np.flatnonzero(~is_open & ((facing > 1e-9) | ((facing < -1e-9) & patches.two_sided)))
     seen = seen[np.argsort(patches.centre[seen] @ TOWARD_EYE, kind="stable")]
     side = np.where(facing > 0, solution.irradiance[:, 0], solution.back_irradiance[:, 0])
     colours = plt.cm.inferno(COLOURS(np.maximum(side[seen], COLOURS.vmin)))
     colours[side[seen] == 0] = plt.matplotlib.colors.to_rgba(DARK)
     outlines = patches.polygons[seen] @ np.stack([RIGHT, UP], axis=1)
     axes.add_collection(PolyCollection(outlines, facecolors=colours, edgecolors="0.55", linewidths=0.35))
+    faces = [np.asarray(s.vertices)[np.asarray(s.faces)] for s in surfaces if s.name in outlined]
+    if faces:
+        edges = np.concatenate(faces) @ np.stack([RIGHT, UP], axis=1)
+        axes.add_collection(PolyCollection(edges, facecolors="none", edgecolors="#7fd6ff", linewidths=0.9))
     axes.autoscale_view()
     axes.set_aspect("equal")
     axes.axis("off")
@@ -58,7 +69,7 @@ for name, pair in zip(SHOWN, grid.reshape(-1, 2), strict=True):
     for axes, contacts in zip(pair, (False, True), strict=True):
         solution = lit(leak, contacts=contacts)
         leaked = most_light_in_the_dark(leak, solution)
-        draw(axes, solution)
+        draw(axes, solution, SHOWN[name])
         told = f"up to {leaked:.2g} W/m² in the dark" if leaked > 0 else "nothing in the dark"
         axes.set_title(f"{leak.name}{'' if contacts else ', contacts=False'}\n{told}", fontsize=9)
         print(f"{leak.name:28} contacts={contacts!s:5} {len(solution.patches):4} patches, {told}")
