@@ -13,8 +13,8 @@ COARSE = 0.5
 
 
 LEFT = {
-    # Two small patches touch in one point of the roof, on either side of it: of cells at that point, closer to the plane
-    # of the roof than rounding, the pair engine cannot tell on which side they are.
+    # Two small patches touch in one point of the roof, on either side: of cells at that point, closer to its plane
+    # than rounding, the pair engine cannot tell on which side they are.
     ("lean_to", "auto"): 1e-6,
     # Parts of the sheet outside the room share an edge with the wall that hides the room from them.
     ("partition_into_walls", "auto"): 1e-6,
