@@ -72,7 +72,8 @@ def test_state_goes_through_a_file(patches: radiosity.Patches, rough: ShootingSo
 def test_a_state_of_another_scene_is_refused(rough: ShootingSolution, tmp_path: Path) -> None:
     rough.save_state(tmp_path / "state.npz")
     moved = radiosity.scenes.cornell_box()
-    moved.surfaces[0].vertices = np.asarray(moved.surfaces[0].vertices) - [0, 1e-3, 0]
+    for surface in moved.surfaces:  # all of them, so that it is cut into as many patches
+        surface.vertices = 1.001 * np.asarray(surface.vertices)
     with pytest.raises(ValueError, match="another scene"):
         load_state(moved.patches(count=400), tmp_path / "state.npz")
     with pytest.raises(ValueError, match="patches"):

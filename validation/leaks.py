@@ -103,7 +103,9 @@ def sheet(name: str, *corners: tuple[float, float, float]) -> radiosity.Surface:
     return quads(name, [np.array(corners, dtype=float)], two_sided=True)
 
 
-def upright(name: str, a: tuple[float, float], b: tuple[float, float], low: float = 0.0, top: float = Z) -> radiosity.Surface:
+def upright(
+    name: str, a: tuple[float, float], b: tuple[float, float], low: float = 0.0, top: float = Z
+) -> radiosity.Surface:
     """A sheet over the line from a to b."""
     return sheet(name, (*a, low), (*b, low), (*b, top), (*a, top))
 
@@ -161,8 +163,12 @@ def cupboard() -> Leak:
 def dark_neighbour() -> Leak:
     """A closed room beside another: their shared wall has two sides, and the bright one's floor runs on beneath."""
     shared = upright("shared", (3.7, 0), (3.7, Y))
-    bright = quads("bright", [face[::-1] for s, face in box_faces((0, 0, 0), (3.7, Y, Z)).items() if s not in ("east", "bottom")])
-    dark = quads("dark", [face[::-1] for s, face in box_faces((3.7, 0, 0), (X, Y, Z)).items() if s not in ("west", "bottom")])
+    bright = quads(
+        "bright", [face[::-1] for s, face in box_faces((0, 0, 0), (3.7, Y, Z)).items() if s not in ("east", "bottom")]
+    )
+    dark = quads(
+        "dark", [face[::-1] for s, face in box_faces((3.7, 0, 0), (X, Y, Z)).items() if s not in ("west", "bottom")]
+    )
     floor = quads("floor", [np.array([[0, 0, 0], [X, 0, 0], [X, Y, 0], [0, Y, 0]], dtype=float)])
     return Leak("dark room beside a bright one", scene_of("neighbours", bright, dark, floor, shared), WEST)
 
@@ -181,7 +187,11 @@ def lean_to() -> Leak:
     roof = sheet("roof", (3.9, 0, 0), (X, 0, 2.2), (X, Y, 2.2), (3.9, Y, 0))
     rise = 2.2 / (X - 3.9)
     within = inside((0, 0, 0), (X, Y, Z))
-    return Leak("joint below 90 degrees", scene_of("lean-to", room(), roof), lambda p: within(p) & (p[:, 2] > rise * (p[:, 0] - 3.9)))
+    return Leak(
+        "joint below 90 degrees",
+        scene_of("lean-to", room(), roof),
+        lambda p: within(p) & (p[:, 2] > rise * (p[:, 0] - 3.9)),
+    )
 
 
 def table() -> Leak:
@@ -251,7 +261,11 @@ def staircase() -> Leak:
 def poster() -> Leak:
     """A sheet in the plane of the wall: nothing is dark, and which of the two is seen is all one."""
     corners = np.array([[2.3, Y, 0.9], [2.3, Y, 1.52], [3.17, Y, 1.52], [3.17, Y, 0.9]])[::-1]
-    return Leak("poster in the plane of a wall", scene_of("poster", room(), quads("poster", [corners])), inside((0, 0, 0), (X, Y, Z)))
+    return Leak(
+        "poster in the plane of a wall",
+        scene_of("poster", room(), quads("poster", [corners])),
+        inside((0, 0, 0), (X, Y, Z)),
+    )
 
 
 CORPUS = {

@@ -301,8 +301,8 @@ class Scene:
             max_edge: longest edge in metres.
             count: about how many patches.
             as_is: one patch per face, in the order of surfaces and faces; quads stay quads.
-            contacts: whether patches end where another face touches or crosses theirs, so that none is on both sides of a
-                wall that stands on it. Faces that are closer than 5e-7 of the size of the scene touch. Nothing is cut
+            contacts: whether patches end where another face touches or crosses theirs, so that none is on both sides of
+                a wall that stands on it. Faces closer than 5e-7 of the longest extent of the scene touch. Has no effect
                 ``as_is``.
 
         Obstructions are not cut: each of their faces is one of ``patches.obstructions``.

@@ -210,11 +210,14 @@ fn patch_size(sent: &[f64], solution: &Solution, factors: &FormFactors, bands: u
 fn coarser(factors: &FormFactors, radiosity: &[f64], bands: usize) -> Vec<f64> {
     let enclosure = &factors.enclosure;
     let mut difference = vec![0.0; radiosity.len()];
+    // What is dark altogether, as under what stands on a floor, ends where patches do and is no part of a neighbour.
+    let is_lit = |side: usize| radiosity[side * bands..(side + 1) * bands].iter().any(|&b| b != 0.0);
     for group in factors.operator.order().chunks(TOGETHER) {
-        let normal = enclosure.normal(group[0] as usize);
+        let Some(first) = group.iter().map(|&side| side as usize).find(|&side| is_lit(side)) else { continue };
+        let normal = enclosure.normal(first);
         let surface = |side: usize| enclosure.patches().surface[enclosure.patch_of(side)];
-        let first = group[0] as usize;
-        let is_alike = |&side: &usize| enclosure.normal(side).dot(normal) > 0.9 && surface(side) == surface(first);
+        let is_alike =
+            |&side: &usize| enclosure.normal(side).dot(normal) > 0.9 && surface(side) == surface(first) && is_lit(side);
         let alike: Vec<usize> = group.iter().map(|&side| side as usize).filter(is_alike).collect();
         let area: f64 = alike.iter().map(|&side| enclosure.area(side)).sum();
         for band in 0..bands {

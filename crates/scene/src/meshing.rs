@@ -18,12 +18,19 @@ use radiosity_geometry::Patches;
 
 use crate::{Scene, SceneError};
 pub use adaptive::AdaptiveMesh;
+use contacts::Drawing;
 use cut::{Collector, Counter, Piece};
 use faces::Polygon;
 pub use faces::is_degenerate;
 
 /// The most patches that a mesh may have.
 pub const MOST_PATCHES: usize = 50_000_000;
+
+/// How often the edge for a number of patches is corrected.
+const CORRECTIONS: usize = 5;
+
+/// A number of patches that is off by so much is near enough.
+const CLOSE_COUNT: f64 = 0.03;
 
 /// How finely to cut a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,26 +80,55 @@ pub fn patches_with(scene: &Scene, meshing: &Meshing, contacts: Contacts) -> Res
             if max_edge.is_nan() || max_edge <= 0.0 {
                 return Err(refusal(scene, format!("the longest edge must be positive, not {max_edge} m")));
             }
-            cut_to_edge(scene, &polygons(scene, contacts), max_edge)
+            cut_drawing(scene, &drawing(scene, contacts), max_edge)
         }
         Meshing::Count(count) => {
             if count == 0 || count > MOST_PATCHES {
                 return Err(refusal(scene, format!("ask for 1 to {MOST_PATCHES} patches, not {count}")));
             }
-            let polygons = polygons(scene, contacts);
-            let max_edge = edge_for_count(&polygons, count);
-            cut_to_edge(scene, &polygons, max_edge)
+            let drawing = drawing(scene, contacts);
+            cut_drawing(scene, &drawing, drawing_edge_for_count(&drawing, count))
         }
     }
 }
 
-/// The polygons to cut, in order of surfaces and faces.
-fn polygons(scene: &Scene, contacts: Contacts) -> Vec<Polygon> {
+/// The polygons to cut, in order of surfaces and faces, with lines where others touch or cross them.
+fn drawing(scene: &Scene, contacts: Contacts) -> Drawing {
     let polygons = faces::polygons(scene);
     match contacts {
-        Contacts::Cut => contacts::cut_along(polygons, &faces::blockers(scene)),
-        Contacts::Ignore => polygons,
+        Contacts::Cut => Drawing::new(polygons, &faces::blockers(scene)),
+        Contacts::Ignore => Drawing::blank(polygons),
     }
+}
+
+/// Cuts all pieces between the lines so that no edge is longer than `max_edge`.
+fn cut_drawing(scene: &Scene, drawing: &Drawing, max_edge: f64) -> Result<Patches, SceneError> {
+    // What is too much for the fewest pieces is too much for all.
+    check_size(scene, fewest_patches(&drawing.pieces(f64::INFINITY), max_edge))?;
+    cut_to_edge(scene, &drawing.pieces(max_edge), max_edge)
+}
+
+/// The longest edge that leads to about `target` patches. What joins lines to a regular mesh takes more than the fewest
+/// pieces tell of, so the edge that these ask for is corrected by what it leads to.
+fn drawing_edge_for_count(drawing: &Drawing, target: usize) -> f64 {
+    let coarse = drawing.pieces(f64::INFINITY);
+    let mut max_edge = edge_for_count(&coarse, target);
+    if !drawing.has_lines() || max_edge.is_infinite() {
+        return max_edge;
+    }
+    let mut best = (f64::INFINITY, max_edge);
+    for _ in 0..CORRECTIONS {
+        let count = count_patches(&drawing.pieces(max_edge), max_edge, target.saturating_mul(8));
+        let ratio = count as f64 / target as f64;
+        if ratio.ln().abs() < best.0 {
+            best = (ratio.ln().abs(), max_edge);
+        }
+        if best.0 < CLOSE_COUNT {
+            break;
+        }
+        max_edge *= ratio.clamp(0.25, 4.0).sqrt();
+    }
+    best.1
 }
 
 /// Cuts each face into an explicit grid: one `(nu, nv)` per face in order of surfaces and faces.

@@ -56,6 +56,9 @@ impl Task<'_> {
             return None;
         }
         let Scene { enclosure, points, .. } = self.scene;
+        // Lines kept with the facets are none of a polygon that a horizon cuts.
+        let is_uncut = |end: End| end.polygon == end.facet.corners();
+        let are_whole = are_whole && is_uncut(ends.first) && is_uncut(ends.second);
         let pair = Pair { numbers: are_whole.then_some(ends.numbers), first: ends.first, second: ends.second };
         let estimate = self.scratch.rays.hidden(enclosure, points, pair, ends.whole, ends.allowed)?;
         self.tally.by_rays += 1;

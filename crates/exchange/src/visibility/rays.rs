@@ -123,14 +123,14 @@ impl Rays {
         let (count, kept) = if few <= KEPT {
             (few.max(LEAST_RAYS), true)
         } else {
-            let share = self.share(enclosure, points, pair, KEPT, true);
+            let share = self.share(enclosure, points, pair, KEPT, true)?;
             let count = enough(deviation(share, KEPT), error).ceil();
             if count > MOST_RAYS as f64 {
                 return None;
             }
             ((count as usize).max(KEPT), false)
         };
-        let share = self.share(enclosure, points, pair, count, kept);
+        let share = self.share(enclosure, points, pair, count, kept)?;
         let error = deviation(share, count) * (count as f64).powf(-RATE);
         Some(Estimate { value: share * whole, error: error * whole, is_all: share == 1.0 })
     }
@@ -138,12 +138,13 @@ impl Rays {
     /// The hidden part of an exchange so small that it may be wrong altogether, by very few lines. Of polygons of more
     /// than four corners some part is looked at.
     pub fn hidden_of_little(&mut self, enclosure: &Enclosure, points: &Points, pair: Pair, whole: f64) -> Estimate {
-        let share = self.share(enclosure, points, pair, RAYS_OF_LITTLE, true);
+        let share = self.share(enclosure, points, pair, RAYS_OF_LITTLE, true).unwrap_or(0.5);
         Estimate { value: share * whole, error: 0.5 * whole, is_all: share == 1.0 }
     }
 
-    /// The blocked share of so many lines: of those kept, or of others.
-    fn share(&mut self, enclosure: &Enclosure, points: &Points, pair: Pair, count: usize, kept: bool) -> f64 {
+    /// The blocked share of so many lines: of those kept, or of others. None if no line counts: all of them leave or
+    /// arrive behind a horizon, and of what is before it nothing is known.
+    fn share(&mut self, enclosure: &Enclosure, points: &Points, pair: Pair, count: usize, kept: bool) -> Option<f64> {
         let (a, b) = (pair.first.facet, pair.second.facet);
         self.rays.clear();
         self.weights.clear();
@@ -175,7 +176,7 @@ impl Rays {
         enclosure.bvh().occlusions(&self.rays, &mut self.occluded);
         let all: f64 = self.weights.iter().sum();
         let blocked: f64 = self.weights.iter().zip(&self.occluded).filter(|(_, o)| **o).map(|(w, _)| w).sum();
-        if all > 0.0 { blocked / all } else { 0.0 }
+        (all > 0.0).then(|| blocked / all)
     }
 }
 

@@ -6,6 +6,7 @@
 //! stands on it. No polygon without such a line changes, unless a neighbour put a point on its outline.
 
 mod boxes;
+mod drawn;
 mod lines;
 mod meet;
 mod points;
@@ -13,16 +14,17 @@ mod points;
 mod tests;
 mod triangulate;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use glam::DVec3;
 
 use super::faces::{self, Polygon};
 use boxes::{BoxTree, Extent};
+use drawn::Drawn;
 use lines::{Divisions, Frame, Line, line};
 use meet::{Sheet, meet};
 use points::Points;
-use triangulate::{Triangle, triangulate};
 
 /// What is closer together than this part of the longest extent of the scene touches: files carry 32-bit floats, and
 /// a plane through three rounded corners is off by a little more than one of them.
@@ -31,19 +33,57 @@ const TOUCHING: f64 = 4.0 * f32::EPSILON as f64;
 /// How far off a line a point may be that lies on it, in tolerances: both were moved to where others are.
 const ON_LINE: f64 = 2.0;
 
-/// Cuts polygons along the lines where they touch or cross each other or what only blocks.
-///
-/// Pieces are triangles and convex quads in the order of the polygons they are of. Where polygons meet they share
-/// points to the bit: those that differ by less than the tolerance become the one that comes first.
-pub(super) fn cut_along(polygons: Vec<Polygon>, blockers: &[Polygon]) -> Vec<Polygon> {
-    let tolerance = tolerance(&polygons, blockers);
-    let contacts = contacts(&polygons, blockers, tolerance);
-    if contacts.is_empty() {
-        return polygons;
+/// Polygons, and the lines that are drawn on some of them.
+pub(super) struct Drawing {
+    polygons: Vec<Polygon>,
+    /// Those with lines, by the number of the polygon, in order.
+    drawn: Vec<(usize, Drawn)>,
+}
+
+impl Drawing {
+    /// Polygons without lines.
+    pub(super) fn blank(polygons: Vec<Polygon>) -> Self {
+        Self { polygons, drawn: Vec::new() }
     }
-    let drawing = Drawing::new(&polygons, &contacts, tolerance);
-    let pieces = |(index, polygon): (u32, Polygon)| drawing.pieces(index, polygon);
-    (0u32..).zip(polygons).flat_map(pieces).collect()
+
+    /// Draws the lines along which polygons touch or cross each other or what only blocks.
+    ///
+    /// Where polygons meet they share points to the bit: those that differ by less than the tolerance become the one
+    /// that comes first.
+    pub(super) fn new(mut polygons: Vec<Polygon>, blockers: &[Polygon]) -> Self {
+        let tolerance = tolerance(&polygons, blockers);
+        let contacts = contacts(&polygons, blockers, tolerance);
+        if contacts.is_empty() {
+            return Self::blank(polygons);
+        }
+        let layout = Layout::new(&polygons, &contacts, tolerance);
+        polygons.iter_mut().for_each(|polygon| layout.move_corners(polygon));
+        let drawn = polygons.iter().enumerate().filter_map(|(i, polygon)| Some((i, layout.drawn(i, polygon)?)));
+        let drawn = drawn.collect();
+        Self { polygons, drawn }
+    }
+
+    pub(super) fn has_lines(&self) -> bool {
+        !self.drawn.is_empty()
+    }
+
+    /// Triangles and convex quads that end at the lines, in the order of the polygons they are of, to be cut to
+    /// `max_edge`: as few as there can be, or, where these would be needles, such as let a regular mesh run on between
+    /// the lines.
+    pub(super) fn pieces(&self, max_edge: f64) -> Cow<'_, [Polygon]> {
+        if self.drawn.is_empty() {
+            return Cow::Borrowed(&self.polygons);
+        }
+        let mut pieces = Vec::with_capacity(self.polygons.len());
+        let mut next = 0;
+        for (i, drawn) in &self.drawn {
+            pieces.extend_from_slice(&self.polygons[next..*i]);
+            pieces.extend(drawn.pieces(&self.polygons[*i], max_edge));
+            next = i + 1;
+        }
+        pieces.extend_from_slice(&self.polygons[next..]);
+        Cow::Owned(pieces)
+    }
 }
 
 fn tolerance(polygons: &[Polygon], blockers: &[Polygon]) -> f64 {
@@ -90,7 +130,7 @@ fn contacts(polygons: &[Polygon], blockers: &[Polygon], tolerance: f64) -> Vec<C
 }
 
 /// The lines on all polygons.
-struct Drawing {
+struct Layout {
     points: Points,
     /// The number of each corner that lines may run to, by its bits.
     corners: HashMap<[u64; 3], u32>,
@@ -99,9 +139,9 @@ struct Drawing {
     divisions: Divisions,
 }
 
-impl Drawing {
+impl Layout {
     fn new(polygons: &[Polygon], contacts: &[Contact], tolerance: f64) -> Self {
-        let mut drawing = Self {
+        let mut layout = Self {
             points: Points::new(tolerance),
             corners: HashMap::new(),
             lines: Vec::new(),
@@ -113,28 +153,27 @@ impl Drawing {
         involved.retain(|&i| (i as usize) < polygons.len());
         // Corners come first, so that other points move to them and not they to others.
         for &i in &involved {
-            polygons[i as usize].own_corners().iter().for_each(|&corner| drawing.number_corner(corner));
+            polygons[i as usize].own_corners().iter().for_each(|&corner| layout.number_corner(corner));
         }
         for Contact { faces, ends } in contacts {
-            let [a, b] = ends.map(|end| drawing.points.id(end));
+            let [a, b] = ends.map(|end| layout.points.id(end));
             let own = faces.iter().filter(|&&i| a != b && (i as usize) < polygons.len());
-            drawing.lines.extend(own.map(|&i| (i, line(a, b))));
+            layout.lines.extend(own.map(|&i| (i, line(a, b))));
         }
         for &i in &involved {
-            let outline =
-                drawing.outline(&polygons[i as usize]).expect("the corners of involved polygons are numbered");
+            let outline = layout.outline(&polygons[i as usize]).expect("the corners of involved polygons are numbered");
             let edges = (0..outline.len()).map(|k| (i, line(outline[k], outline[(k + 1) % outline.len()])));
-            drawing.lines.extend(edges);
+            layout.lines.extend(edges);
         }
-        drawing.lines.sort_unstable();
-        drawing.lines.dedup();
-        for own in drawing.lines.chunk_by(|a, b| a.0 == b.0) {
+        layout.lines.sort_unstable();
+        layout.lines.dedup();
+        for own in layout.lines.chunk_by(|a, b| a.0 == b.0) {
             let frame = frame(&polygons[own[0].0 as usize]);
             let lines: Vec<Line> = own.iter().map(|&(_, line)| line).collect();
-            lines::divide(&lines, &frame, ON_LINE * tolerance, &mut drawing.points, &mut drawing.divisions);
+            lines::divide(&lines, &frame, ON_LINE * tolerance, &mut layout.points, &mut layout.divisions);
         }
-        drawing.divisions.sort(&drawing.points);
-        drawing
+        layout.divisions.sort(&layout.points);
+        layout
     }
 
     fn number_corner(&mut self, corner: DVec3) {
@@ -147,30 +186,23 @@ impl Drawing {
         polygon.own_corners().iter().map(|&corner| self.corners.get(&bits(corner)).copied()).collect()
     }
 
-    /// What a polygon is cut into.
-    fn pieces(&self, index: u32, polygon: Polygon) -> Vec<Polygon> {
-        let polygon = self.moved(polygon);
-        self.cut(index, &polygon).unwrap_or_else(|| vec![polygon])
-    }
-
-    /// The polygon with its corners where others have theirs.
-    fn moved(&self, mut polygon: Polygon) -> Polygon {
+    /// Puts the corners of a polygon where others have theirs.
+    fn move_corners(&self, polygon: &mut Polygon) {
         for corner in &mut polygon.corners {
             if let Some(&id) = self.corners.get(&bits(*corner)) {
                 *corner = self.points.place(id);
             }
         }
-        polygon
     }
 
-    /// The pieces of a polygon; `None` if it stays whole.
-    fn cut(&self, index: u32, polygon: &Polygon) -> Option<Vec<Polygon>> {
+    /// What is drawn on a polygon; `None` if it stays whole.
+    fn drawn(&self, index: usize, polygon: &Polygon) -> Option<Drawn> {
         let outline = self.divided_outline(polygon)?;
         let n = outline.len();
         let mut edges: Vec<Line> = (0..n).map(|i| line(outline[i], outline[(i + 1) % n])).collect();
         edges.sort_unstable();
-        let first = self.lines.partition_point(|&(i, _)| i < index);
-        let own = self.lines[first..].iter().take_while(|&&(i, _)| i == index);
+        let first = self.lines.partition_point(|&(i, _)| (i as usize) < index);
+        let own = self.lines[first..].iter().take_while(|&&(i, _)| i as usize == index);
         let mut lines = Vec::new();
         for &(_, [mut from, to]) in own {
             self.divisions.walk(from, to, &mut |next| {
@@ -184,8 +216,7 @@ impl Drawing {
         if lines.is_empty() && n == polygon.own_corners().len() {
             return None;
         }
-        let triangles = triangulate(&outline, &lines, &frame(polygon), &self.points)?;
-        Some(merged(polygon, &triangles, &self.points))
+        Drawn::new(polygon, &outline, &lines, &self.points)
     }
 
     /// The outline with all points on it; `None` if corners have no numbers or a point occurs twice.
@@ -207,23 +238,7 @@ impl Drawing {
     }
 }
 
-/// The triangles of a polygon as polygons, good pairs of them merged.
-fn merged(polygon: &Polygon, triangles: &[Triangle], points: &Points) -> Vec<Polygon> {
-    let shape = |t: &Triangle| Polygon::triangle(polygon.surface, polygon.face, t.points.map(|id| points.place(id)));
-    let mut pieces: Vec<Polygon> = triangles.iter().map(shape).collect();
-    let neighbours = triangles.iter().enumerate().flat_map(|(i, triangle)| {
-        let across = (0..3).filter_map(move |edge| Some((edge, triangle.across[edge]?)));
-        across.filter(move |&(_, j)| i < j).map(move |(edge, j)| (i, edge, j))
-    });
-    let candidates = neighbours.filter_map(|(i, edge, j)| {
-        let back = triangles[j].across.iter().position(|&k| k == Some(i))?;
-        faces::piece_candidate(&pieces, (i, edge), (j, back))
-    });
-    let candidates = candidates.collect();
-    faces::merge_best(&mut pieces, candidates);
-    pieces
-}
-
+/// Coordinates in the plane of a polygon, along its first edge.
 fn frame(polygon: &Polygon) -> Frame {
     Frame::new(polygon.corners[0], polygon.corners[1], polygon.unit_normal())
 }

@@ -47,7 +47,7 @@ impl Side {
     }
 
     /// Division point `i` from the start.
-    fn point(&self, i: u32) -> DVec3 {
+    pub(super) fn point(&self, i: u32) -> DVec3 {
         let k = if self.from <= self.to { self.from + i } else { self.from - i };
         match k {
             0 => self.low,

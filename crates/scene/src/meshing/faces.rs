@@ -114,6 +114,16 @@ impl Polygon {
         pair.map(|corners| Polygon::triangle(self.surface, self.face, corners))
     }
 
+    /// The largest cosine of a corner's angle.
+    pub(super) fn sharpest_cosine(&self) -> f64 {
+        let (corners, n) = (self.own_corners(), self.n_corners());
+        let cosine = |i: usize| {
+            let [before, here, after] = [n - 1, 0, 1].map(|k| corners[(i + k) % n]);
+            (before - here).normalize_or_zero().dot((after - here).normalize_or_zero())
+        };
+        (0..n).map(cosine).fold(-1.0, f64::max)
+    }
+
     /// The largest cosine of a corner's angle, without its sign; infinite unless planar and strictly convex.
     fn flattest_cosine(&self) -> f64 {
         let normal = self.vector_area().normalize_or_zero();

@@ -327,7 +327,13 @@ proptest! {
     #[test]
     fn random_boxes_are_cut_faithfully(parts in boxes(), max_edge in 0.4..6.0f64) {
         let scene = scene(&parts);
-        assert_faithful(&scene, &cut(&scene, max_edge), 4e-6);
+        let mesh = cut(&scene, max_edge);
+        assert_faithful(&scene, &mesh, 4e-6);
+        let longest = (0..mesh.len()).flat_map(|i| {
+            let p = mesh.corners(i);
+            (0..p.len()).map(|k| p[k].distance(p[(k + 1) % p.len()]))
+        });
+        prop_assert!(longest.fold(0.0, f64::max) <= max_edge * (1.0 + 2e-6));
         let rounded = self::scene(&single(&parts));
         let mesh = cut(&rounded, max_edge);
         assert_faithful(&rounded, &mesh, 4e-6);

@@ -1,12 +1,11 @@
 //! A face with lines across it in convex pieces: a constrained Delaunay triangulation, pairs of whose triangles are
 //! then merged.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, HierarchyHintGenerator, Point2, Triangulation as _};
 
 use super::lines::{Frame, Line};
-use super::points::Points;
 
 /// How far the area of the pieces may be from that of the face, relative to it.
 const AREA: f64 = 1e-9;
@@ -36,35 +35,32 @@ pub(super) struct Triangle {
     pub(super) across: [Option<usize>; 3],
 }
 
-/// Triangulates the polygon with the given outline, so that no triangle crosses a line.
+/// Triangulates the polygon with the given outline on all `places`, so that no triangle crosses a line. Outline and
+/// lines name places; those that neither names lie inside.
 ///
 /// `None` if that cannot be done, as where rounding makes the outline cross itself.
-pub(super) fn triangulate(outline: &[u32], lines: &[Line], frame: &Frame, points: &Points) -> Option<Vec<Triangle>> {
-    let flat: Vec<DVec2> = outline.iter().map(|&id| frame.flat(points.place(id))).collect();
-    let area = area(&flat);
+pub(super) fn triangulate(outline: &[u32], lines: &[Line], places: &[DVec3], frame: &Frame) -> Option<Vec<Triangle>> {
+    let spots: Vec<DVec2> = places.iter().map(|&p| frame.flat(p)).collect();
+    let area = area(outline.iter().map(|&id| spots[id as usize]));
     let scale = 1.0 / area.sqrt();
     let mut mesh = Mesh::new();
-    let mut vertices: Vec<(u32, FixedVertexHandle)> = Vec::new();
-    let mut ids: Vec<u32> = outline.iter().chain(lines.iter().flatten()).copied().collect();
-    ids.sort_unstable();
-    ids.dedup();
-    for id in ids {
+    let mut vertices: Vec<FixedVertexHandle> = Vec::with_capacity(places.len());
+    for (id, &spot) in (0u32..).zip(&spots) {
         // Numbers that are next to nothing are refused.
         let rounded = |x: f64| if x.abs() < 1e-30 { 0.0 } else { x };
-        let p = scale * frame.flat(points.place(id));
-        vertices.push((id, mesh.insert(Spot { position: Point2::new(rounded(p.x), rounded(p.y)), id }).ok()?));
+        let position = Point2::new(rounded(scale * spot.x), rounded(scale * spot.y));
+        vertices.push(mesh.insert(Spot { position, id }).ok()?);
     }
 
-    let vertex = |id: u32| vertices[vertices.binary_search_by_key(&id, |v| v.0).expect("every point is a vertex")].1;
     let n = outline.len();
     for [a, b] in (0..n).map(|i| [outline[i], outline[(i + 1) % n]]).chain(lines.iter().copied()) {
-        let (a, b) = (vertex(a), vertex(b));
+        let (a, b) = (vertices[a as usize], vertices[b as usize]);
         if a == b || (!mesh.exists_constraint(a, b) && mesh.try_add_constraint(a, b).is_empty()) {
             return None;
         }
     }
     let triangles = inside(&mesh);
-    let sum: f64 = triangles.iter().map(|t| self::area(&t.points.map(|id| frame.flat(points.place(id))))).sum();
+    let sum: f64 = triangles.iter().map(|t| self::area(t.points.iter().map(|&id| spots[id as usize]))).sum();
     ((sum - area).abs() <= AREA * area).then_some(triangles)
 }
 
@@ -103,7 +99,8 @@ fn inside(mesh: &Mesh) -> Vec<Triangle> {
     inner().map(triangle).collect()
 }
 
-fn area(polygon: &[DVec2]) -> f64 {
-    let n = polygon.len();
-    0.5 * (0..n).map(|i| (polygon[i] - polygon[0]).perp_dot(polygon[(i + 1) % n] - polygon[0])).sum::<f64>()
+fn area(polygon: impl Iterator<Item = DVec2>) -> f64 {
+    let corners: Vec<DVec2> = polygon.collect();
+    let n = corners.len();
+    0.5 * (0..n).map(|i| (corners[i] - corners[0]).perp_dot(corners[(i + 1) % n] - corners[0])).sum::<f64>()
 }
