@@ -1,13 +1,13 @@
 """Interreflection between the rectangles of an upright box, or some of them, by small panels of constant radiosity.
 
 What they send straight away is exact, and so is the form factor from a point to a panel; panels get smaller toward the
-edges, where irradiance changes fast. The last gather makes the error one of second order in their size.
+edges, where irradiance changes fast. The last gather makes the error one of second order in their size, and a second
+solution on larger panels takes most of that off.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -25,31 +25,32 @@ class ConvexRoom:
     Args:
         scene: of which all surfaces are such rectangles.
         from_lights: (k, bands) at points with normals, of lights without area.
-        panels: along each edge of a rectangle.
+        reflecting: the surfaces that panels are cut from, if several of the scene are one.
+        panels: along each edge of a rectangle. Once more with half as many tells the error, which is taken off.
     """
 
     def __init__(
-        self, scene: radiosity.Scene, from_lights: Callable[[Floats, Floats], Floats] | None = None, panels: int = 14
+        self,
+        scene: radiosity.Scene,
+        from_lights: Callable[[Floats, Floats], Floats] | None = None,
+        reflecting: list[radiosity.Surface] | None = None,
+        panels: int = 18,
     ) -> None:
-        self.scene, self.from_lights, self.panels = scene, from_lights, panels
-        self.bands = len(scene.bands)
-        self.corners = np.array([np.asarray(s.vertices)[np.asarray(s.faces)[0]] for s in scene.surfaces])
-        self.reflectance, self.emission = (
-            np.array([np.broadcast_to(v, (self.bands,)) for v in values])
-            for values in ([s.reflectance for s in scene.surfaces], [s.emission for s in scene.surfaces])
-        )
-        normal = np.cross(self.corners[:, 1] - self.corners[:, 0], self.corners[:, 3] - self.corners[:, 0])
-        self.area = np.linalg.norm(normal, axis=1)
-        self.normal = normal / self.area[:, None]
+        self.from_lights, self.bands = from_lights, len(scene.bands)
+        self.corners, self.normal = _rectangles(scene.surfaces)
+        self.emission = _spectra([s.emission for s in scene.surfaces], self.bands)
+        self._radiosity: dict[Panels, Floats] = {}
+        self.grids = [Panels(reflecting or scene.surfaces, self.bands, n) for n in (panels, panels // 2)]
 
     def direct_at(self, points: Floats, surface: Indices) -> Floats:
         """(k, bands) what lamps send straight away; exact."""
-        normal = self.normal[surface]
+        return self.direct_at_normals(points, self.normal[surface])
+
+    def direct_at_normals(self, points: Floats, normal: Floats) -> Floats:
+        """The same at points with normals."""
         found = np.zeros((len(points), self.bands))
         for k in np.flatnonzero(self.emission.any(axis=1)):
-            away = surface != k
-            seen = from_lamp(points[away], normal[away], self.corners[k], [])
-            found[away] += seen[:, None] * self.emission[k]
+            found += from_lamp(points, normal, self.corners[k], [])[:, None] * self.emission[k]
         return found if self.from_lights is None else found + self.from_lights(points, normal)
 
     def irradiance_at(self, points: Floats, surface: Indices) -> Floats:
@@ -61,65 +62,65 @@ class ConvexRoom:
         return mean_over(patches, self.direct_at) + mean_by_gauss(patches, self.indirect_at)
 
     def indirect_at(self, points: Floats, surface: Indices) -> Floats:
-        """(k, bands) what panels reflect."""
-        found = np.zeros((len(points), self.bands))
-        for first in range(0, len(points), 2000):
-            part = slice(first, first + 2000)
-            found[part] = self._factors(points[part], surface[part]) @ self._radiosity
-        return found
+        """(k, bands) what panels reflect; of fourth order, by Richardson's extrapolation, where light is smooth."""
+        fine, coarse = (self._seen(grid, points, self.normal[surface]) for grid in self.grids)
+        return fine + (fine - coarse) / 3
 
-    @cached_property
-    def _reflecting(self) -> list[int]:
-        return [int(k) for k in np.flatnonzero(self.reflectance.any(axis=1))]
+    def _seen(self, grid: Panels, points: Floats, normal: Floats) -> Floats:
+        if grid not in self._radiosity:
+            self._radiosity[grid] = grid.solved(self.direct_at_normals)
+        parts = [
+            grid.factors(points[first : first + 2000], normal[first : first + 2000]) @ self._radiosity[grid]
+            for first in range(0, len(points), 2000)
+        ]
+        return np.concatenate(parts) if parts else np.zeros((0, self.bands))
 
-    @cached_property
-    def _edges(self) -> Floats:
-        """Where panels meet, from 0 to 1, closer at both ends."""
-        even = np.linspace(0, 1, self.panels + 1)
-        graded = 0.5 * (1 - np.cos(np.pi * even))
-        return graded
 
-    @cached_property
-    def _radiosity(self) -> Floats:
-        """(all panels, bands) what they reflect."""
-        n, edges = self.panels, self._edges
+class Panels:
+    """Rectangles cut into small panels, closer at the edges, that reflect evenly."""
+
+    def __init__(self, surfaces: list[radiosity.Surface], bands: int, count: int) -> None:
+        self.corners, self.normal = _rectangles(surfaces)
+        self.reflectance, self.count = _spectra([s.reflectance for s in surfaces], bands), count
+        self.edges: Floats = 0.5 * (1 - np.cos(np.pi * np.linspace(0, 1, count + 1)))
+
+    def solved(self, direct: Callable[[Floats, Floats], Floats]) -> Floats:
+        """(all panels, bands) what they reflect of ``direct``, irradiance at points with normals, and of each other."""
+        n, edges = self.count, self.edges
         x, w = np.polynomial.legendre.leggauss(3)
         at = (edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (x + 1)).ravel()
         s, t = (g.ravel()[:, None] for g in np.meshgrid(at, at, indexing="ij"))
-        direct, rows = [], []
-        for k in self._reflecting:
-            a, b, _, d = self.corners[k]
-            points, surface = a + s * (b - a) + t * (d - a), np.full(len(s), k)
 
-            def mean(values: Floats) -> Floats:
-                return np.einsum("p,q,ipjqb->ijb", w / 2, w / 2, values.reshape(n, 3, n, 3, -1)).reshape(n * n, -1)
+        def mean(values: Floats) -> Floats:
+            return np.einsum("p,q,ipjqb->ijb", w / 2, w / 2, values.reshape(n, 3, n, 3, -1)).reshape(n * n, -1)
 
-            direct.append(mean(self.direct_at(points, surface)))
-            rows.append(mean(self._factors(points, surface)))
-        H, F = np.concatenate(direct), np.concatenate(rows)
-        rho = np.repeat(self.reflectance[self._reflecting], n * n, axis=0)
-        solve = np.linalg.solve
-        return np.stack(
-            [solve(np.eye(len(F)) - rho[:, [b]] * F, rho[:, b] * H[:, b]) for b in range(self.bands)], axis=1
-        )
+        light, rows = [], []
+        for (a, b, _, d), normal in zip(self.corners, self.normal, strict=True):
+            points, up = a + s * (b - a) + t * (d - a), np.tile(normal, (len(s), 1))
+            light.append(mean(direct(points, up)))
+            rows.append(mean(self.factors(points, up)))
+        H, F = np.concatenate(light), np.concatenate(rows)
+        rho = np.repeat(self.reflectance, n * n, axis=0)
+        each = [np.linalg.solve(np.eye(len(F)) - r[:, None] * F, r * h) for r, h in zip(rho.T, H.T, strict=True)]
+        return np.stack(each, axis=1)
 
-    def _factors(self, points: Floats, surface: Indices) -> Floats:
-        """(k, all panels) form factors from points on surfaces."""
-        found = np.zeros((len(points), len(self._reflecting), self.panels**2))
-        for j, k in enumerate(self._reflecting):
-            for own in np.unique(surface):
-                at = np.flatnonzero(surface == own)
-                if own != k:
-                    found[at, j] = self._to_panels(points[at], self.normal[own], k)
+    def factors(self, points: Floats, normal: Floats) -> Floats:
+        """(k, all panels) form factors from points, upright normals."""
+        found = np.zeros((len(points), len(self.corners), self.count**2))
+        ways, of = np.unique(np.round(normal), axis=0, return_inverse=True)
+        for way, up in enumerate(ways):
+            at = np.flatnonzero(of.ravel() == way)
+            for k in range(len(self.corners)):
+                found[at, k] = self._to_panels(points[at], up, k)
         return found.reshape(len(points), -1)
 
     def _to_panels(self, points: Floats, normal: Floats, k: int) -> Floats:
         """From points that face one way to the panels of one rectangle: Howell B-3 and B-8, by differences."""
         a, b, _, d = self.corners[k]
         distance = np.maximum((points - a) @ self.normal[k], 0)[:, None, None]
-        if np.allclose(distance, 0):
-            return np.zeros((len(points), self.panels**2))
-        u, v = ((a + self._edges[:, None] * (end - a)) for end in (b, d))
+        if normal @ self.normal[k] > 0.5:
+            return np.zeros((len(points), self.count**2))
+        u, v = ((a + self.edges[:, None] * (end - a)) for end in (b, d))
         unit_u, unit_v = ((end - a) / np.linalg.norm(end - a) for end in (b, d))
         x, y = (w @ unit - (points @ unit)[:, None] for w, unit in ((u, unit_u), (v, unit_v)))
         if abs(normal @ self.normal[k]) > 0.5:
@@ -129,6 +130,18 @@ class ConvexRoom:
         else:
             up_to = _perpendicular(np.maximum(y * (normal @ unit_v), 0)[:, None, :], x[:, :, None], distance)
         return np.abs(np.diff(np.diff(up_to, axis=1), axis=2)).reshape(len(points), -1)
+
+
+def _rectangles(surfaces: list[radiosity.Surface]) -> tuple[Floats, Floats]:
+    """Corners, (n, 4, 3), and unit normals, (n, 3)."""
+    corners = np.array([np.asarray(s.vertices)[np.asarray(s.faces)[0]] for s in surfaces])
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
+    return corners, normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def _spectra(values: list[npt.ArrayLike], bands: int) -> Floats:
+    """(n, bands)."""
+    return np.array([np.broadcast_to(np.asarray(v, float), (bands,)) for v in values])
 
 
 def _parallel(x: Floats, y: Floats, distance: Floats) -> Floats:

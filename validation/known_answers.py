@@ -413,11 +413,12 @@ def standing_lamp() -> KnownEverywhere:
 
 
 def _convex(
-    name: str, scene: Callable[[], radiosity.Scene], lights: Callable[[Floats, Floats], Floats] | None = None
-) -> KnownEverywhere:
+    name: str, scene: Callable[[], radiosity.Scene], lights: Callable[[Floats, Floats], Floats] | None = None,
+    reflecting: list[radiosity.Surface] | None = None,
+) -> KnownEverywhere:  # fmt: skip
     @cache
     def solved() -> ConvexRoom:
-        return ConvexRoom(scene(), lights)
+        return ConvexRoom(scene(), lights, reflecting)
 
     return KnownEverywhere(name, scene, "direct light in closed form, the rest by small panels seen from points", 2e-4,
                            at=lambda points, surface: solved().irradiance_at(points, surface),
@@ -455,18 +456,25 @@ def lamp_room() -> KnownEverywhere:
             surfaces.append(part)
         return radiosity.Scene(surfaces, name="lamp room")
 
-    return _convex("lamp room", scene)
+    return _convex("lamp room", scene, reflecting=room([0, 0, 0], [1, 1, 1], rho))
+
+
+IN_BOX = np.array([0.3, 0.5, 0.6])
+
+
+def from_point_in_box(points: Floats, normal: Floats) -> Floats:
+    """(k, 1) direct light of the point light in the box, 1 W/sr."""
+    return _inverse_square(points, normal, IN_BOX)[:, None]
 
 
 def point_in_box() -> KnownEverywhere:
     """A point light off the middle of a closed box."""
-    eye, intensity = np.array([0.3, 0.5, 0.6]), np.array([1.0])
 
     def scene() -> radiosity.Scene:
-        light = radiosity.PointLight(eye, intensity)
+        light = radiosity.PointLight(IN_BOX, 1.0)
         return radiosity.Scene(room([0, 0, 0], [1, 1.3, 0.9], 0.5), [light], name="point in box")
 
-    return _convex("point in box", scene, lambda points, normal: _inverse_square(points, normal, eye)[:, None] * intensity)
+    return _convex("point in box", scene, from_point_in_box)
 
 
 # What other programs found
@@ -487,8 +495,12 @@ def _cornell_scene() -> radiosity.Scene:
     return radiosity.Scene(surfaces, name="cornell")
 
 
+STANDARD_ERROR = {"keyhole": 0.0025, "study": 0.0035, "corridor": 0.011, "crater": 0.001, "window room": 0.0045}
+
+
 def _path_traced(name: str) -> KnownFromFile:
-    return KnownFromFile(name, PATH_TRACED[name], "path traced by Mitsuba 3.9.1; see references/README.md", 0.005)
+    why = "path traced by Mitsuba 3.9.1; see references/README.md"
+    return KnownFromFile(name, PATH_TRACED[name], why, STANDARD_ERROR[name])
 
 
 KNOWN: dict[str, Known] = {
