@@ -1,13 +1,14 @@
 """Interreflection between the rectangles of an upright box, or some of them, by small panels of constant radiosity.
 
 What they send straight away is exact, and so is the form factor from a point to a panel; panels get smaller toward the
-edges, where irradiance changes fast. The last gather makes the error one of second order in their size, and a second
-solution on larger panels takes most of that off.
+edges, where irradiance changes fast. The error is of second order in their size, and a solution on larger panels takes
+most of it off. The last gather is from still smaller ones, as a point near an edge sees those across it one by one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +27,7 @@ class ConvexRoom:
         scene: of which all surfaces are such rectangles.
         from_lights: (k, bands) at points with normals, of lights without area.
         reflecting: the surfaces that panels are cut from, if several of the scene are one.
-        panels: along each edge of a rectangle. Once more with half as many tells the error, which is taken off.
+        panels: along each edge of a rectangle; with half as many, to tell the error, and with more for the last gather.
     """
 
     def __init__(
@@ -34,13 +35,13 @@ class ConvexRoom:
         scene: radiosity.Scene,
         from_lights: Callable[[Floats, Floats], Floats] | None = None,
         reflecting: list[radiosity.Surface] | None = None,
-        panels: int = 18,
+        panels: int = 16,
     ) -> None:
         self.from_lights, self.bands = from_lights, len(scene.bands)
         self.corners, self.normal = _rectangles(scene.surfaces)
         self.emission = _spectra([s.emission for s in scene.surfaces], self.bands)
-        self._radiosity: dict[Panels, Floats] = {}
-        self.grids = [Panels(reflecting or scene.surfaces, self.bands, n) for n in (panels, panels // 2)]
+        cut = partial(Panels, reflecting or scene.surfaces, self.bands)
+        self.grids, self.last = (cut(panels), cut(panels // 2)), cut(2 * panels)
 
     def direct_at(self, points: Floats, surface: Indices) -> Floats:
         """(k, bands) what lamps send straight away; exact."""
@@ -62,18 +63,27 @@ class ConvexRoom:
         return mean_over(patches, self.direct_at) + mean_by_gauss(patches, self.indirect_at)
 
     def indirect_at(self, points: Floats, surface: Indices) -> Floats:
-        """(k, bands) what panels reflect; of fourth order, by Richardson's extrapolation, where light is smooth."""
-        fine, coarse = (self._seen(grid, points, self.normal[surface]) for grid in self.grids)
-        return fine + (fine - coarse) / 3
+        """(k, bands) what panels reflect."""
+        return _seen(self.last, self._sent, points, self.normal[surface])
 
-    def _seen(self, grid: Panels, points: Floats, normal: Floats) -> Floats:
-        if grid not in self._radiosity:
-            self._radiosity[grid] = grid.solved(self.direct_at_normals)
-        parts = [
-            grid.factors(points[first : first + 2000], normal[first : first + 2000]) @ self._radiosity[grid]
-            for first in range(0, len(points), 2000)
-        ]
-        return np.concatenate(parts) if parts else np.zeros((0, self.bands))
+    @cached_property
+    def _sent(self) -> Floats:
+        """(panels of the last gather, bands) by extrapolation from two grids (Richardson), at Gauss points."""
+        fine, coarse = self.grids
+        points, normal = self.last.points()
+        light = [_seen(grid, grid.solved(self.direct_at_normals), points, normal) for grid in (fine, coarse)]
+        arriving = self.direct_at_normals(points, normal) + light[0] + (light[0] - light[1]) / 3
+        mean = arriving.reshape(-1, 4, self.bands).mean(axis=1)
+        return np.repeat(self.last.reflectance, self.last.count**2, axis=0) * mean
+
+
+def _seen(grid: Panels, sent: Floats, points: Floats, normal: Floats) -> Floats:
+    """(k, bands) at points with normals, of what all panels of a grid send."""
+    found = np.zeros((len(points), sent.shape[1]))
+    for first in range(0, len(points), 500):
+        part = slice(first, first + 500)
+        found[part] = grid.factors(points[part], normal[part]) @ sent
+    return found
 
 
 class Panels:
@@ -83,6 +93,16 @@ class Panels:
         self.corners, self.normal = _rectangles(surfaces)
         self.reflectance, self.count = _spectra([s.reflectance for s in surfaces], bands), count
         self.edges: Floats = 0.5 * (1 - np.cos(np.pi * np.linspace(0, 1, count + 1)))
+
+    def points(self) -> tuple[Floats, Floats]:
+        """(4 a panel, 3) Gauss points, one after the other, and the normals there."""
+        middle, half = 0.5 * (self.edges[:-1] + self.edges[1:]), 0.5 * np.diff(self.edges)
+        at = middle + np.array([[-1], [1]]) / np.sqrt(3) * half
+        s, t = (g.ravel()[:, None] for g in np.meshgrid(at, at, indexing="ij"))
+        points = np.array([a + s * (b - a) + t * (d - a) for a, b, _, d in self.corners])
+        n = self.count
+        each = points.reshape(-1, 2, n, 2, n, 3).transpose(0, 2, 4, 1, 3, 5).reshape(-1, 3)
+        return each, np.repeat(self.normal, 4 * n * n, axis=0)
 
     def solved(self, direct: Callable[[Floats, Floats], Floats]) -> Floats:
         """(all panels, bands) what they reflect of ``direct``, irradiance at points with normals, and of each other."""

@@ -67,7 +67,9 @@ def tried(known: Known, way: str, accuracy: float, seed: int, count: int) -> Try
 def row(name: str, way: str, accuracy: float, tries: list[Try]) -> list[str]:
     """One line of the table."""
     ratios = np.array([t.ratio for t in tries])
-    middle = {key: np.median([getattr(t, key) for t in tries]) for key in ("reported", "true", "discretisation", "bias")}
+    middle = {
+        key: np.median([getattr(t, key) for t in tries]) for key in ("reported", "true", "discretisation", "bias")
+    }
     return [
         name, way, f"{accuracy:.0%}", f"{middle['reported']:.2%}", f"{middle['true']:.2%}",
         f"{middle['discretisation']:.2%}", f"{ratios.min():.2f}", f"{np.median(ratios):.2f}", f"{ratios.max():.2f}",

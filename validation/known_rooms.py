@@ -99,8 +99,9 @@ def corridor() -> radiosity.Scene:
 
 def crater() -> radiosity.Scene:
     """Rough ground with craters, of 648 triangles, under a low sun."""
-    return radiosity.scenes.crater(648, craters=12, roughness=5.0, size=100.0, elevation=25.0, azimuth=30.0, reflectance=0.5,
-                                   sunlight=1.0, seed=4)  # fmt: skip
+    return radiosity.scenes.crater(
+        648, craters=12, roughness=5.0, size=100.0, elevation=25.0, azimuth=30.0, reflectance=0.5, sunlight=1.0, seed=4
+    )
 
 
 def window_room() -> radiosity.Scene:

@@ -19,8 +19,9 @@ import numpy as np
 
 mi.set_variant("llvm_ad_rgb")
 
-import radiosity  # noqa: E402
 from known_rooms import PATH_TRACED, mesh_of, probes_on  # noqa: E402
+
+import radiosity  # noqa: E402
 
 REPLICATES = 8
 PROBES = 500
@@ -135,7 +136,10 @@ def make(name: str) -> None:
     path = OUT / f"known_{name.replace(' ', '_')}.npz"
     np.savez_compressed(path, surface=surface, **{k: v.astype(np.float32) for k, v in arrays.items()})
     weight = patches.area[:, None] / patches.area.sum()
-    for what, e in (("patches", np.sqrt((weight * error**2).sum(axis=0))), ("points", np.sqrt((spread**2).mean(axis=0)))):
+    for what, e in (
+        ("patches", np.sqrt((weight * error**2).sum(axis=0))),
+        ("points", np.sqrt((spread**2).mean(axis=0))),
+    ):
         print(f"{name}: standard error of {what} over the mean", e / (weight * mean).sum(axis=0), flush=True)
 
 
