@@ -1,9 +1,10 @@
 //! Patches and their ray hierarchy.
 
 use crate::convert;
-use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use radiosity_exchange::looks::looks;
 use std::sync::Arc;
 
 /// The surface elements of a scene.
@@ -85,6 +86,9 @@ impl Patches {
     }
 }
 
+/// Polygon, distance and whether it is the front, of each ray.
+type Looks<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);
+
 /// Patches with the hierarchy that rays traverse.
 #[pyclass(frozen, module = "radiosity._native")]
 pub struct Enclosure {
@@ -104,6 +108,37 @@ impl Enclosure {
     /// Raises `RuntimeError` if an invariant of the hierarchy does not hold.
     fn validate(&self) -> PyResult<()> {
         self.inner.bvh().validate().map_err(pyo3::exceptions::PyRuntimeError::new_err)
+    }
+
+    /// What rays from (n, 3) points along (n, 3) directions meet first: (n,) polygon, obstructions after all patches and
+    /// -1 for nothing; (n,) distance in lengths of the direction; (n,) whether it is the front.
+    #[pyo3(signature = (points, directions, threads=None))]
+    fn looks<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+        directions: PyReadonlyArray2<'py, f64>,
+        threads: Option<usize>,
+    ) -> PyResult<Looks<'py>> {
+        let (points, directions) = (
+            convert::points_in(&points, "points")?,
+            convert::points_in(&directions, "directions")?,
+        );
+        if points.len() != directions.len() {
+            return Err(PyValueError::new_err("there must be as many directions as points"));
+        }
+        let found = crate::watch::run(py, threads, None, |control| {
+            looks(&self.inner, &points, &directions, control)
+        })?
+        .map_err(|_| pyo3::exceptions::PyKeyboardInterrupt::new_err("cancelled"))?;
+        let polygon: Vec<i64> = found.iter().map(|look| look.polygon.map_or(-1, i64::from)).collect();
+        let distance: Vec<f64> = found.iter().map(|look| f64::from(look.distance)).collect();
+        let is_front: Vec<bool> = found.iter().map(|look| look.is_front).collect();
+        Ok((
+            convert::vector_out(py, &polygon),
+            convert::vector_out(py, &distance),
+            convert::vector_out(py, &is_front),
+        ))
     }
 
     /// Bytes held.
