@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radiosity.scene import Finding, Scene, SceneError
-from radiosity.sight import BACK, FRONT, Sight, look_around
+from radiosity.sight import BACK, FRONT, Sight, look_around, not_buried
 
 if TYPE_CHECKING:
     from radiosity.patches import Patches
@@ -30,8 +30,11 @@ NOTHING = 0.05
 OUTSIDE = 0.9
 """A side from which more than this escapes is no inside of a space."""
 
-OPEN = 0.5
+OPEN = 0.3
 """Where more than this escapes nobody meant to close the space."""
+
+LEAST_LOSS = 2e-3
+"""What escapes is worth a word above this, or where the space should be closed."""
 
 MOST_NAMED = 4
 
@@ -65,6 +68,7 @@ def findings(
     if not len(patches):
         return []
     sight = look_around(patches, seed=seed, threads=threads, progress=progress)
+    _recheck(sight, seed, threads)
     wanted = bool(scene.hints.get("enclosure")) if enclosure is None else enclosure
     turned = _is_turned(sight)
     found = [*_turned(sight, turned), *_backs_in_sight(sight), *_buried(sight), *_blocked_lamps(sight)]
@@ -74,14 +78,50 @@ def findings(
 
 
 def without_repeats(found: list[Finding]) -> list[Finding]:
-    """Without findings about how faces wind where rays tell of the same faces that they look the wrong way."""
-    turned = {(f.surface, int(face)) for f in found if f.code == "turned-faces" for face in f.faces}
+    """Without what rays tell better, and what is told of the same faces twice."""
+    said = {f.code: set[tuple[int | None, int]]() for f in found}
+    for finding in found:
+        said[finding.code] |= _faces(finding)
 
     def is_told(finding: Finding) -> bool:
-        faces = {(finding.surface, int(face)) for face in finding.faces}
-        return finding.code == "mixed-winding" and bool(faces) and faces <= turned
+        better = {"mixed-winding": "turned-faces", "back-in-sight": "mixed-winding"}.get(finding.code, "")
+        return bool(_faces(finding)) and _faces(finding) <= said.get(better, set())
 
-    return [finding for finding in found if not is_told(finding)]
+    return _with_idle_rims_as_one([finding for finding in found if not is_told(finding)])
+
+
+def _faces(finding: Finding) -> set[tuple[int | None, int]]:
+    return {(finding.surface, int(face)) for face in finding.faces}
+
+
+def _with_idle_rims_as_one(found: list[Finding]) -> list[Finding]:
+    """With one finding for all rims that no light passes, where rays tell that some does: those of sheets and bodies."""
+    passed = {edge.tobytes() for f in found if f.code == "light-escapes" for edge in f.edges}
+    rims = [f for f in found if f.code == "open-edges" and passed.isdisjoint(edge.tobytes() for edge in f.edges)]
+    if not passed or len(rims) < 2:
+        return found
+    edges = np.concatenate([f.edges for f in rims])
+    named = [f.element.partition(", face")[0] for f in rims if f.element]
+    more = f" and {len(rims) - MOST_NAMED} more" if len(rims) > MOST_NAMED else ""
+    message = (
+        f"{len(edges):,} edges belong to one face only, but no ray left the space there: they are rims of sheets and of "
+        "open bodies, to be closed if these should be solid"
+    )
+    one = Finding("note", "open-rims", ", ".join(dict.fromkeys(named[:MOST_NAMED])) + more, message, edges=edges)
+    return [*(f for f in found if not any(f is rim for rim in rims)), one]
+
+
+def _recheck(sight: Sight, seed: int, threads: int | None) -> None:
+    """Leave out what faces see of the floor below their own body, where one of their sides is doubtful."""
+    black, lit = sight.black + sight.buried, sight.lit
+    in_body = (black > 0.3).any(axis=1) & (sight.escaped == 0).any(axis=1)
+    seen_behind = _one_sided(sight.patches) & (lit[:, BACK] > 0.5)
+    suspects = np.flatnonzero((sight.patches.area > 0) & (seen_behind | (in_body & (lit > 0).any(axis=1))))
+    if len(suspects):
+        share = not_buried(sight.patches, suspects, seed=seed, threads=threads)
+        sight.black[suspects] += (1 - share) * lit[suspects]
+        sight.lit[suspects] *= share
+        sight.far[suspects] *= share
 
 
 def _is_turned(sight: Sight) -> Flags:
@@ -106,7 +146,9 @@ def _turned(sight: Sight, turned: Flags) -> Iterator[Finding]:
 
 def _backs_in_sight(sight: Sight) -> Iterator[Finding]:
     """One-sided faces that are seen from behind too, and are black there."""
-    seen = _one_sided(sight.patches) & (sight.lit[:, FRONT] > NOTHING) & (sight.far[:, BACK] > 0.5)
+    seen = _one_sided(sight.patches) & (sight.lit[:, FRONT] > NOTHING) & (sight.far[:, BACK] > 0.6)
+    # Lamps have dark backs.
+    seen &= ~(sight.patches.emission > 0).any(axis=1)
     for surface, element, faces in _by_surface(sight.patches, seen):
         message = (
             "its back is in sight of what is lit, and is black: make it two-sided, close the body that it belongs to, or "
@@ -147,11 +189,11 @@ def _escapes(scene: Scene, known: list[Finding], sight: Sight, turned: Flags, wa
     """Whether light leaves a space that is nearly closed, from which surfaces, and through which hole."""
     patches = sight.patches
     inside = (patches.area > 0) & ~turned & (sight.lit[:, FRONT] > NOTHING) & (sight.escaped[:, FRONT] < OUTSIDE)
-    if patches.area[inside].sum() < OPEN * patches.area.sum():
+    if patches.area[inside].sum() < 0.5 * patches.area.sum():
         return []
     share = float(np.average(sight.escaped[inside, FRONT], weights=patches.area[inside]))
     found = _too_large(patches) if share < NOTHING else []
-    if not 0 < share < OPEN:
+    if not (0 if wanted else LEAST_LOSS) < share < OPEN:
         return found
     openings = [f for f in known if f.code in {"open-edges", "narrow-gap"} and len(f.edges)]
     if not wanted:
@@ -173,7 +215,7 @@ def _too_large(patches: Patches) -> list[Finding]:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"
+    return f"{100 * share:.0f} %" if share >= 0.1 else f"{100 * share:.2g} %"
 
 
 def _losers(sight: Sight, inside: Flags) -> tuple[str, int, npt.NDArray[np.uint32]]:
@@ -204,7 +246,7 @@ def _ways_out(sight: Sight, inside: Flags, openings: list[Finding]) -> tuple[str
     nearest = np.concatenate([_passing(part, edges).argmin(axis=1) for part in np.array_split(rays, len(rays) // 256 + 1)])
     count = np.bincount(owner[nearest], minlength=len(openings))
     best = int(np.argmax(count))
-    used = [f for f, n in zip(openings, count, strict=True) if n > 0.02 * len(rays)]
+    used = [f for f, n in zip(openings, count, strict=True) if n > 0.1 * count[best]]
     x, y, z = openings[best].edges.reshape(-1, 3).mean(axis=0) + 0.0
     kind = "gap" if openings[best].code == "narrow-gap" else "hole"
     where = (

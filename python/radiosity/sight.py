@@ -105,6 +105,26 @@ def _shoot(
     return counts, np.stack([origins[out], directions[out]], axis=1), faces[out // (2 * rays)]
 
 
+def not_buried(patches: Patches, faces: Indices, *, seed: int = 0, threads: int | None = None) -> Floats:
+    """(faces, 2) of what their fronts and backs see and is lit, the share that is not itself within a solid."""
+    rays, random = 32, np.random.default_rng(seed)
+    extent = float(np.ptp(patches.polygons.reshape(-1, 3), axis=0).max())
+    see, shares = _Eye(patches, threads), []
+    for normal in (patches.normal[faces], -patches.normal[faces]):
+        normals = np.repeat(normal, rays, axis=0)
+        origins = _points(patches.polygons[faces], rays, random) + _OFF * extent * normals
+        directions = _hemisphere(normals, random)
+        polygon, distance, is_front = patches._enclosure.looks(origins, directions, threads)
+        lit = np.flatnonzero(see.is_lit(polygon, is_front))
+        there = np.where(is_front[lit, None], 1, -1) * patches.normal[polygon[lit]]
+        hit = origins[lit] + distance[lit, None] * directions[lit] + 3 * _OFF * extent * there
+        sound = np.zeros(len(origins))
+        sound[lit] = ~_is_buried(see, hit, there)
+        found = np.bincount(lit // rays, minlength=len(faces))
+        shares.append(sound.reshape(-1, rays).sum(axis=1) / np.maximum(found, 1))
+    return np.stack(shares, axis=1)
+
+
 class _Eye:
     """What rays find: a lit side, something black, nothing; and how far away it is."""
 
@@ -117,9 +137,12 @@ class _Eye:
         self, origins: Floats, directions: Floats
     ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_], npt.NDArray[np.bool_], Floats]:
         polygon, distance, is_front = self._enclosure.looks(origins, directions, self._threads)
-        escaped = polygon < 0
-        lit = ~escaped & (is_front | self._two_sided[polygon])
+        escaped, lit = polygon < 0, self.is_lit(polygon, is_front)
         return lit, ~escaped & ~lit, escaped, distance
+
+    def is_lit(self, polygon: npt.NDArray[np.int64], is_front: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+        """Whether what rays found is a side that takes part in the exchange of light."""
+        return np.asarray((polygon >= 0) & (is_front | self._two_sided[polygon]))
 
 
 def _is_buried(see: _Eye, origins: Floats, normals: Floats) -> npt.NDArray[np.bool_]:

@@ -27,16 +27,17 @@ COLOURS = {
 }  # fmt: skip
 """By code; what is not named here is teal."""
 
-ALONG_EDGES = frozenset({"open-edges", "narrow-gap", "light-escapes", "non-manifold-edges"})
+ALONG_EDGES = frozenset({"open-edges", "open-rims", "narrow-gap", "light-escapes", "non-manifold-edges"})
 """Codes of what is a matter of edges: the faces at them are not to blame."""
 
 TURNED = frozenset({"mixed-winding", "turned-faces", "back-in-sight"})
 """Codes of faces that are drawn from behind as well."""
 
 _MOST_ANCHORS = 24
+_MOST_OUTLINED = 200
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mark:
     """A finding as it is drawn.
 
@@ -44,6 +45,7 @@ class Mark:
         number: in the legend.
         faces: indices of the faces of the scene that are tinted, counted through all surfaces.
         edges: (k, 2, 3) drawn as lines.
+        outlines: (j, 2, 3) edges of tinted faces, drawn where nothing of them is seen.
         anchors: (m, 3) places that tell where it is; there are none where it is nowhere.
         size: metres that must be made out to see it.
     """
@@ -53,6 +55,7 @@ class Mark:
     colour: str
     faces: npt.NDArray[np.intp]
     edges: Floats
+    outlines: Floats
     anchors: Floats
     size: float
 
@@ -78,9 +81,19 @@ def _mark(number: int, finding: Finding, polygons: Floats, first_face: npt.NDArr
     points = finding.points[np.isfinite(finding.points).all(axis=1)]
     if finding.code == "implausible-size":
         points = points[:0]
+    if finding.code == "sliver-faces":
+        edges = np.array([_longest(polygon) for polygon in polygons[tinted]]).reshape(-1, 2, 3)
     anchors = _anchors(finding, edges, polygons[tinted], points)
-    return Mark(number, finding, COLOURS.get(finding.code, _TEAL), tinted, edges, anchors,
+    shown = polygons[tinted[:_MOST_OUTLINED]]
+    outlines = np.stack([shown, np.roll(shown, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+    return Mark(number, finding, COLOURS.get(finding.code, _TEAL), tinted, edges, outlines, anchors,
                 _size(finding, edges, polygons[tinted], points))  # fmt: skip
+
+
+def _longest(polygon: Floats) -> Floats:
+    """(2, 3) the longest of the edges and diagonals of a face."""
+    a, b, c, d = polygon
+    return max((np.array(pair) for pair in ((a, b), (b, c), (c, d), (a, c), (b, d))), key=lambda e: np.linalg.norm(e[1] - e[0]))
 
 
 def _faces(finding: Finding, first_face: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
@@ -113,7 +126,7 @@ def _size(finding: Finding, edges: Floats, polygons: Floats, points: Floats) -> 
         return float(np.linalg.norm(points[1] - points[0]))
     if finding.code in {"sliver-faces", "zero-area-faces"} and len(polygons):
         a, b, c, d = polygons[0]
-        longest = max(float(np.linalg.norm(p - q)) for p, q in ((a, b), (b, c), (c, d), (a, c), (b, d)))
+        longest = float(np.linalg.norm(np.diff(_longest(polygons[0]), axis=0)))
         return float(np.linalg.norm(np.cross(c - a, d - b))) / max(longest, 1e-300)
     corners = np.concatenate([edges.reshape(-1, 3), polygons.reshape(-1, 3)])
     return float(np.linalg.norm(np.ptp(corners, axis=0))) if len(corners) else 0.0

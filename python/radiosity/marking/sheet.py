@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radiosity.marking.kinds import Mark
+from radiosity.marking.kinds import TURNED, Mark
 from radiosity.marking.stage import Stage, View
 from radiosity.marking.views import ASPECT, Panel, visible_anchors
 from radiosity.teaching.figures import INK, new_figure
@@ -34,7 +34,7 @@ SAMPLES = 2
 """Rays along each edge of a pixel."""
 
 PAPER = np.array([1.0, 1.0, 1.0])
-CLAY = np.array([0.80, 0.79, 0.77])
+CLAY = np.array([0.95, 0.94, 0.92])
 TINTED = 0.72
 """How much of a tinted face is the colour of its mark."""
 
@@ -102,14 +102,17 @@ def shade(view: View, width: int, height: int) -> Pixels:
     face, distance = view.first_hits(SAMPLES * width, SAMPLES * height)
     there = face >= 0
     normal = stage.normal[face]
-    facing = abs(normal @ view.axes[2])
-    lamp = -view.axes[2] + 0.6 * view.axes[1] - 0.5 * view.axes[0]
-    toward = np.einsum("hwk,k->hw", normal, lamp / np.linalg.norm(lamp))
-    light = np.where(there, 0.55 + 0.25 * facing + 0.20 * abs(toward), 1.0)
+    # From above and from the left, so that walls that meet differ; what is behind counts as before.
+    lamp = 1.0 * stage.up - 0.5 * view.axes[2] - 0.7 * view.axes[0]
+    light = np.where(there, 0.62 + 0.38 * abs(normal @ (lamp / np.linalg.norm(lamp))), 1.0)
     colour = np.where(there[..., None], CLAY, PAPER)
     tint = np.where(there, stage.tint[face], -1)
     table = np.array([_rgb(mark.colour) for mark in stage.marks] + [PAPER])
-    colour = np.where((tint >= 0)[..., None], (1 - TINTED) * colour + TINTED * table[tint], colour)
+    row, column = np.indices(face.shape)
+    stripes = (row + column) // (6 * SAMPLES) % 2 == 0
+    from_behind = (normal @ view.axes[2] > 0) & np.array([m.finding.code in TURNED for m in stage.marks] + [False])[tint]
+    strength = np.where(from_behind & stripes, 0.5 * TINTED, TINTED)
+    colour = np.where((tint >= 0)[..., None], colour + strength[..., None] * (table[tint] - colour), colour)
     colour = colour * light[..., None]
     colour *= 1 - 0.10 * _borders(face)[..., None]
     colour *= 1 - 0.45 * _borders(np.where(there, stage.surface[face], -2))[..., None]
@@ -145,20 +148,20 @@ def _draw(axes: Axes, view: View, seen: list[Mark], hidden: list[Mark], name: st
     axes.imshow(shade(view, box.width, box.height), extent=(0, box.width, box.height, 0), interpolation="nearest")
     axes.set(xlim=(0, box.width), ylim=(box.height, 0), xticks=[], yticks=[])
     for mark in reversed(view.stage.marks):
-        _draw_edges(axes, view, mark, box)
+        _draw_edges(axes, view, mark, mark.outlines if mark in hidden and not len(mark.edges) else mark.edges, box)
     _draw_numbers(axes, view, seen, hidden, box)
     if name:
         frame = {"boxstyle": "round,pad=0.3", "fc": "white", "ec": INK, "lw": 0.6}
         axes.text(12, 22, name, fontsize=10, bbox=frame, va="center", zorder=9)
 
 
-def _draw_edges(axes: Axes, view: View, mark: Mark, box: Box) -> None:
+def _draw_edges(axes: Axes, view: View, mark: Mark, edges: Floats, box: Box) -> None:
     """Thick lines along edges, dimmed and broken where they are hidden."""
     from matplotlib.collections import LineCollection  # noqa: PLC0415
 
-    if not len(mark.edges):
+    if not len(edges):
         return
-    edges = mark.edges[:: max(1, len(mark.edges) // MOST_EDGES)]
+    edges = edges[:: max(1, len(edges) // MOST_EDGES)]
     steps = np.linspace(0, 1, 33 if len(edges) < 60 else 9)[None, :, None]
     points = edges[:, None, 0] + steps * (edges[:, None, 1] - edges[:, None, 0])
     n = points.shape[1]
@@ -167,12 +170,13 @@ def _draw_edges(axes: Axes, view: View, mark: Mark, box: Box) -> None:
     pieces = np.stack([pixels[:, :-1, :2], pixels[:, 1:, :2]], axis=2)
     usable = np.isfinite(pieces).all(axis=(2, 3)) & (abs(pieces).max(axis=(2, 3)) < 20 * WIDTH)
     clear = visible[:, :-1] & visible[:, 1:]
-    for which, style, width, alpha in ((~clear, (0, (2.2, 1.6)), 2.0, 0.6), (clear, "-", 3.2, 1.0)):
+    thick = 3.2 if len(edges) < 40 else 2.2
+    for which, style, width, alpha in ((~clear, (0, (2.2, 1.6)), 0.6 * thick, 0.6), (clear, "-", thick, 1.0)):
         lines = pieces[which & usable]
         if len(lines):
             runs = _runs(pieces, which & usable)
             if style == "-":
-                axes.add_collection(LineCollection(runs, colors="white", linewidths=width + 2, capstyle="round", zorder=3))
+                axes.add_collection(LineCollection(runs, colors="white", linewidths=width + 1.6, capstyle="round", zorder=3))
             axes.add_collection(
                 LineCollection(runs, colors=mark.colour, linewidths=width, linestyles=[style], alpha=alpha, zorder=4)
             )
@@ -243,13 +247,17 @@ def _legend(stage: Stage) -> list[Row]:
     for mark in stage.marks[:MOST_LISTED]:
         finding = mark.finding
         parts = [_count(len(mark.faces), "face"), _count(len(mark.edges), "edge")]
-        nowhere = "" if len(mark.anchors) else "nowhere in the picture"
-        counts = ", ".join(part for part in [*parts, nowhere] if part)
+        nowhere = "" if len(mark.anchors) else "not drawn"
+        counts = ", ".join(part for part in [*parts, nowhere] if part) or "a place"
         element = textwrap.shorten(finding.element, 90, placeholder="...") or "the scene"
         message = textwrap.wrap(finding.message, 185, max_lines=2, placeholder=" ...") if told else []
         rows.append((mark, f"{element}   ({counts})", message))
     if len(stage.marks) > MOST_LISTED:
         rows.append((None, f"and {len(stage.marks) - MOST_LISTED} more: radiosity check lists all", []))
+    if any(mark.finding.code in TURNED for mark in stage.marks):
+        rows.append((None, "Striped faces are seen from behind. Broken lines are hidden by what stands before them.", []))
+    elif any(len(mark.edges) for mark in stage.marks):
+        rows.append((None, "Broken lines are hidden by what stands before them.", []))
     if not rows:
         rows.append((None, "No findings: neither shapes and paint nor rays tell of anything doubtful.", []))
     return rows
@@ -266,16 +274,16 @@ def _draw_legend(figure: Figure, rows: list[Row], top: float, height: int) -> No
     y = top + ROW / 2
     for mark, line, message in rows:
         if mark is None:
-            _write(figure, MARGIN, y, line, height)
+            _write(figure, MARGIN + 116, y, line, height, size=9, color="#555555")
         else:
             _circle(axes, MARGIN + 14, y, mark)
             severity = mark.finding.severity
             _write(figure, MARGIN + 36, y, severity, height, color=_SEVERITY[severity], weight="bold")
-            _write(figure, MARGIN + 108, y, mark.finding.code, height, weight="bold")
-            _write(figure, MARGIN + 280, y, line, height)
+            _write(figure, MARGIN + 116, y, mark.finding.code, height, weight="bold")
+            _write(figure, MARGIN + 310, y, line, height)
         for text in message:
             y += LINE
-            _write(figure, MARGIN + 108, y, text, height, size=9, color="#555555")
+            _write(figure, MARGIN + 116, y, text, height, size=9, color="#555555")
         y += ROW
 
 

@@ -21,6 +21,9 @@ Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 Flags = npt.NDArray[np.bool_]
 
+IN_FRONT = 3e-5
+"""How far marked faces are drawn before others in one place, relative to their distance from the eye."""
+
 _OUTSIDE, _INSIDE = 0.9, 0.5
 """Of an outer wall, more than the first escapes from one side, and less than the second from the other."""
 
@@ -105,7 +108,11 @@ class View:
         right /= np.linalg.norm(right)
         self.axes = np.stack([right, np.cross(right, forward), forward])
         self.faces = self.stage.faces_for(self.eye)
-        self._enclosure = _native.Enclosure(_native_patches(self.stage.polygons[self.faces]))
+        polygons = self.stage.polygons[self.faces]
+        # Of two faces in one place, the marked one is to be seen.
+        marked = self.stage.tint[self.faces] >= 0
+        polygons[marked] += IN_FRONT * (self.eye - polygons[marked])
+        self._enclosure = _native.Enclosure(_native_patches(polygons))
 
     def project(self, points: Floats, width: int, height: int) -> Floats:
         """(n, 3) pixel right, pixel down, depth; what is not before the camera has depth 0 or less."""

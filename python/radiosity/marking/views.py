@@ -40,7 +40,7 @@ def choose(stage: Stage) -> list[Panel]:
     placed = [mark for mark in stage.marks if len(mark.anchors)]
     best = _best(_candidates(stage), placed)
     own = next(_own_cameras(stage), None)
-    if own is not None and placed and len(_seen(own, placed)) == len(placed):
+    if own is not None and len(_seen(own, placed)) == len(placed):
         best = own
     panels = [(best, _seen(best, placed), "")]
     left = [mark for mark in placed if mark not in panels[0][1]]
@@ -61,6 +61,17 @@ def visible_anchors(view: View, mark: Mark) -> Floats:
     return np.asarray(mark.anchors[within & view.sees(mark.anchors)])
 
 
+def _breadth(view: View, mark: Mark) -> float:
+    """How broad a mark is where it is narrowest, relative to the picture: nothing if it is seen edge-on."""
+    corners = np.concatenate([mark.edges, mark.outlines]).reshape(-1, 3)
+    pixels = view.project(corners, 4, 3)[:, :2]
+    pixels = pixels[np.isfinite(pixels).all(axis=1)]
+    if len(pixels) < 3:
+        return 0.0
+    spread = np.linalg.eigvalsh(np.cov(pixels.T))
+    return float(np.sqrt(max(spread[0], 0.0)) / 3)
+
+
 def _seen(view: View, marks: list[Mark]) -> list[Mark]:
     return [mark for mark in marks if len(visible_anchors(view, mark))]
 
@@ -72,7 +83,13 @@ def _best(candidates: Iterator[View], marks: list[Mark]) -> View:
         shown, _ = view.first_hits(48, 36)
         tint = np.where(shown >= 0, view.stage.tint[shown], -1)
         surfaces = len(np.unique(view.stage.surface[shown[shown >= 0]]))
-        share = sum(len(visible_anchors(view, mark)) / len(mark.anchors) for mark in marks)
+        above = float(view.axes[2] @ view.stage.up < 0)
+        # Who looks into a room sees the backs of walls that are turned, and what they would hide from behind.
+        faces = np.unique(shown[tint >= 0])
+        backs = view.stage.normal[faces] @ view.axes[2] > 0
+        behind = 1.5 * float(backs.any())
+        behind += 2.0 * sum(_breadth(view, mark) for mark in marks)
+        share = behind + 0.5 * above + sum(len(visible_anchors(view, mark)) / len(mark.anchors) for mark in marks)
         return len(_seen(view, marks)), share + 0.1 * surfaces + 2.0 * len(np.unique(tint[tint >= 0]))
 
     return max(candidates, key=score)

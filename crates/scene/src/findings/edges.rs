@@ -139,8 +139,9 @@ fn holes(scene: &Scene, edges: &Edges, found: &mut Vec<Finding>) -> bool {
 
 fn hole(scene: &Scene, edges: &Edges, rim: &[EdgeUse]) -> Finding {
     let (first, count) = (rim[0], rim.len());
+    let edges_belong = if count == 1 { "edge belongs" } else { "edges belong" };
     let message = format!(
-        "{count} edges belong to one face only, first the one at {}; where a space should be enclosed, there is a hole: \
+        "{count} {edges_belong} to one face only, first the one at {}; where a space should be enclosed, there is a hole: \
          close it between {}",
         middle(&edges.ends(&first)),
         surfaces_at(scene, rim),
