@@ -152,7 +152,7 @@ def lamp_toward_ceiling() -> Scene:
     scene = room()
     lamp = surface(scene, "lamp")
     turn(lamp, [0])
-    lamp.vertices = np.asarray(lamp.vertices) + [0, 0, 0.09]
+    lamp.vertices = np.asarray(lamp.vertices) + np.array([0, 0, 0.09])
     return scene
 
 

@@ -94,9 +94,8 @@ def examine(
     """
     from radiosity import ray_tests  # noqa: PLC0415
 
-    found = scene.findings(enclosure=enclosure)
-    found += ray_tests.findings(scene, found, enclosure, seed=seed, threads=threads, progress=progress)
-    found = ray_tests.without_repeats(found)
+    known = scene.findings(enclosure=enclosure)
+    found = ray_tests.complete(scene, known, enclosure, seed=seed, threads=threads, progress=progress)
     return sorted(found, key=lambda finding: _RANK[finding.severity])
 
 

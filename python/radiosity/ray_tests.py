@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import numpy.typing as npt
 
-from radiosity.scene import Finding, Scene, SceneError
+from radiosity._native import SceneError
+from radiosity.scene import Finding, Scene
 from radiosity.sight import BACK, FRONT, Sight, look_around, not_buried
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ _RAYS_TRACED_OUT = 4000
 _EDGES_COMPARED = 3000
 
 
-def findings(
+def complete(
     scene: Scene,
     known: list[Finding],
     enclosure: bool | None,
@@ -54,31 +55,33 @@ def findings(
     threads: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> list[Finding]:
-    """What rays tell beyond what is known from shapes; nothing where shapes are unsound."""
+    """What is known from shapes with what rays tell, each said once; nothing more where shapes are unsound."""
     try:
         faces = sum(len(np.asarray(surface.faces)) for surface in scene.surfaces)
         if faces > MOST_FACES:
             message = (
-                f"it has {faces:,} faces, and no rays were shot to see which way they look; radiosity factors does so"
+                f"it has {faces:,} faces: too many to look around from each; radiosity factors measures what they see"
             )
-            return [Finding("note", "no-rays", "", message)]
+            return [*known, Finding("note", "no-rays", "", message)]
         patches = scene.patches(as_is=True)
     except SceneError:
-        return []
+        return known
     if not len(patches):
-        return []
+        return known
     sight = look_around(patches, seed=seed, threads=threads, progress=progress)
     _recheck(sight, seed, threads)
     wanted = bool(scene.hints.get("enclosure")) if enclosure is None else enclosure
     turned = _is_turned(sight)
     found = [*_turned(sight, turned), *_backs_in_sight(sight), *_buried(sight), *_blocked_lamps(sight)]
-    if enclosure is not False:
-        found += _escapes(scene, known, sight, turned, wanted)
-    return found
+    share = _share_that_escapes(sight, turned)
+    if enclosure is not False and share < OPEN:
+        found += _escapes(scene, known, sight, turned, share, wanted)
+    found = _said_once(known + found)
+    return _with_idle_rims_as_one(found) if share < OPEN else found
 
 
-def without_repeats(found: list[Finding]) -> list[Finding]:
-    """Without what rays tell better, and what is told of the same faces twice."""
+def _said_once(found: list[Finding]) -> list[Finding]:
+    """Without what is told of the same faces by a better finding."""
     said = {f.code: set[tuple[int | None, int]]() for f in found}
     for finding in found:
         said[finding.code] |= _faces(finding)
@@ -87,7 +90,7 @@ def without_repeats(found: list[Finding]) -> list[Finding]:
         better = {"mixed-winding": "turned-faces", "back-in-sight": "mixed-winding"}.get(finding.code, "")
         return bool(_faces(finding)) and _faces(finding) <= said.get(better, set())
 
-    return _with_idle_rims_as_one([finding for finding in found if not is_told(finding)])
+    return [finding for finding in found if not is_told(finding)]
 
 
 def _faces(finding: Finding) -> set[tuple[int | None, int]]:
@@ -95,19 +98,20 @@ def _faces(finding: Finding) -> set[tuple[int | None, int]]:
 
 
 def _with_idle_rims_as_one(found: list[Finding]) -> list[Finding]:
-    """With one finding for all rims that no light passes, where rays tell that some does: those of sheets and bodies."""
+    """With one finding for all rims of a space that no light passes: those of sheets and bodies in it."""
     passed = {edge.tobytes() for f in found if f.code == "light-escapes" for edge in f.edges}
     rims = [f for f in found if f.code == "open-edges" and passed.isdisjoint(edge.tobytes() for edge in f.edges)]
-    if not passed or len(rims) < 2:
+    if not rims:
         return found
     edges = np.concatenate([f.edges for f in rims])
-    named = [f.element.partition(", face")[0] for f in rims if f.element]
-    more = f" and {len(rims) - MOST_NAMED} more" if len(rims) > MOST_NAMED else ""
+    named = list(dict.fromkeys(f.element.partition(", face")[0].removeprefix("surface ") for f in rims if f.element))
+    more = f" and {len(named) - MOST_NAMED} more" if len(named) > MOST_NAMED else ""
+    element = f"{'surfaces' if len(named) > 1 else 'surface'} {', '.join(named[:MOST_NAMED])}{more}"
     message = (
-        f"{len(edges):,} edges belong to one face only, but no ray left the space there: they are rims of sheets and of "
-        "open bodies, to be closed if these should be solid"
+        f"{len(edges):,} edges belong to one face only, but no ray left the space there: they are rims of sheets and "
+        "open bodies, or of holes too small for a few rays; close them where something should be solid"
     )
-    one = Finding("note", "open-rims", ", ".join(dict.fromkeys(named[:MOST_NAMED])) + more, message, edges=edges)
+    one = Finding("note", "open-rims", element, message, edges=edges)
     return [*(f for f in found if not any(f is rim for rim in rims)), one]
 
 
@@ -151,8 +155,8 @@ def _backs_in_sight(sight: Sight) -> Iterator[Finding]:
     seen &= ~(sight.patches.emission > 0).any(axis=1)
     for surface, element, faces in _by_surface(sight.patches, seen):
         message = (
-            "its back is in sight of what is lit, and is black: make it two-sided, close the body that it belongs to, or "
-            "reverse the order of its corners if that body is inside out"
+            "its back is in sight of what is lit, and is black: make it two-sided, close the body that it belongs to, "
+            "or reverse the order of its corners if that body is inside out"
         )
         yield Finding("note", "back-in-sight", element, message, surface, faces)
 
@@ -162,7 +166,9 @@ def _buried(sight: Sight) -> Iterator[Finding]:
     nothing = (sight.lit + sight.escaped == 0).all(axis=1)
     blocked = (sight.black + sight.buried > 0).all(axis=1)
     for surface, element, faces in _by_surface(sight.patches, nothing & blocked & (sight.patches.area > 0)):
-        message = "it lies within a solid, where no light comes: remove it, or turn the solid around if it is inside out"
+        message = (
+            "it lies within a solid, where no light comes: remove it, or turn the solid around if it is inside out"
+        )
         yield Finding("note", "buried-faces", element, message, surface, faces)
 
 
@@ -185,15 +191,27 @@ def _by_surface(patches: Patches, chosen: Flags) -> Iterator[tuple[int, str, npt
         yield int(k), element, faces
 
 
-def _escapes(scene: Scene, known: list[Finding], sight: Sight, turned: Flags, wanted: bool) -> list[Finding]:
+def _inside(sight: Sight, turned: Flags) -> Flags:
+    """(n,) faces whose fronts are in a space."""
+    sees = (sight.lit[:, FRONT] > NOTHING) & (sight.escaped[:, FRONT] < OUTSIDE)
+    return np.asarray((sight.patches.area > 0) & ~turned & sees)
+
+
+def _share_that_escapes(sight: Sight, turned: Flags) -> float:
+    """Of what faces in a space send, how much leaves it; all where there is no space to speak of."""
+    inside, area = _inside(sight, turned), sight.patches.area
+    if area[inside].sum() < 0.5 * area.sum() or not inside.any():
+        return 1.0
+    return float(np.average(sight.escaped[inside, FRONT], weights=area[inside]))
+
+
+def _escapes(
+    scene: Scene, known: list[Finding], sight: Sight, turned: Flags, share: float, wanted: bool
+) -> list[Finding]:
     """Whether light leaves a space that is nearly closed, from which surfaces, and through which hole."""
-    patches = sight.patches
-    inside = (patches.area > 0) & ~turned & (sight.lit[:, FRONT] > NOTHING) & (sight.escaped[:, FRONT] < OUTSIDE)
-    if patches.area[inside].sum() < 0.5 * patches.area.sum():
-        return []
-    share = float(np.average(sight.escaped[inside, FRONT], weights=patches.area[inside]))
-    found = _too_large(patches) if share < NOTHING else []
-    if not (0 if wanted else LEAST_LOSS) < share < OPEN:
+    inside = _inside(sight, turned)
+    found = _too_large(sight.patches) if share < NOTHING else []
+    if share <= (0 if wanted else LEAST_LOSS):
         return found
     openings = [f for f in known if f.code in {"open-edges", "narrow-gap"} and len(f.edges)]
     if not wanted:
@@ -201,7 +219,9 @@ def _escapes(scene: Scene, known: list[Finding], sight: Sight, turned: Flags, wa
     severity: Literal["note", "warning"] = "warning" if wanted else "note"
     losers, surface, faces = _losers(sight, inside)
     where, edges, points = _ways_out(sight, inside, openings)
-    message = f"{_percent(share)} of what it sends leaves the space: {losers}{where}; close it if no light should escape"
+    message = (
+        f"{_percent(share)} of what it sends leaves the space: {losers}{where}; close it if no light should escape"
+    )
     finding = Finding(severity, "light-escapes", f"surface '{scene.surfaces[surface].name}'", message, surface, faces)
     return [*found, replace(finding, edges=edges, points=points)]
 
@@ -243,7 +263,9 @@ def _ways_out(sight: Sight, inside: Flags, openings: list[Finding]) -> tuple[str
     keep = slice(None, None, max(1, len(edges) // _EDGES_COMPARED))
     edges, owner = edges[keep], owner[keep]
     # Which gap a ray slipped through is told by the edge that it passes most closely.
-    nearest = np.concatenate([_passing(part, edges).argmin(axis=1) for part in np.array_split(rays, len(rays) // 256 + 1)])
+    nearest = np.concatenate(
+        [_passing(part, edges).argmin(axis=1) for part in np.array_split(rays, len(rays) // 256 + 1)]
+    )
     count = np.bincount(owner[nearest], minlength=len(openings))
     best = int(np.argmax(count))
     used = [f for f, n in zip(openings, count, strict=True) if n > 0.1 * count[best]]

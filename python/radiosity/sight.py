@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radiosity import _native
-
 if TYPE_CHECKING:
     from radiosity.patches import Patches
 
@@ -24,7 +22,7 @@ CLOSE = 0.05
 FRONT, BACK = 0, 1
 """Columns of what both sides see."""
 
-_RAYS_IN_ALL = 1_500_000
+_RAYS_IN_ALL = 600_000
 _LEAST_RAYS, _MOST_RAYS = 8, 512
 _RAYS_AT_ONCE = 1 << 18
 _OFF = 1e-6
@@ -61,7 +59,7 @@ class Sight:
 def look_around(
     patches: Patches, *, seed: int = 0, threads: int | None = None, progress: Progress | None = None
 ) -> Sight:
-    """Look around from every face in directions distributed like diffuse light: some 8 to 512 rays a side."""
+    """Look around from every face in directions distributed like diffuse light: 8 to 512 rays a side."""
     n = len(patches)
     rays = int(np.clip(_RAYS_IN_ALL // max(2 * n, 1), _LEAST_RAYS, _MOST_RAYS))
     at_once = max(1, _RAYS_AT_ONCE // (2 * rays))

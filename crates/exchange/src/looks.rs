@@ -72,7 +72,8 @@ mod tests {
 
     #[test]
     fn a_ray_finds_fronts_backs_obstructions_and_nothing() {
-        let patches = Patches::new(vec![square(0.0)], vec![0], vec![0], vec![false]).with_obstructions(vec![square(3.0)]);
+        let patches =
+            Patches::new(vec![square(0.0)], vec![0], vec![0], vec![false]).with_obstructions(vec![square(3.0)]);
         let enclosure = Enclosure::new(patches);
         let points = [DVec3::Z, -DVec3::Z, DVec3::Z, DVec3::Z];
         let directions = [-DVec3::Z, 0.5 * DVec3::Z, DVec3::Z, DVec3::X];

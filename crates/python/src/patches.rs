@@ -120,25 +120,17 @@ impl Enclosure {
         directions: PyReadonlyArray2<'py, f64>,
         threads: Option<usize>,
     ) -> PyResult<Looks<'py>> {
-        let (points, directions) = (
-            convert::points_in(&points, "points")?,
-            convert::points_in(&directions, "directions")?,
-        );
+        let (points, directions) =
+            (convert::points_in(&points, "points")?, convert::points_in(&directions, "directions")?);
         if points.len() != directions.len() {
             return Err(PyValueError::new_err("there must be as many directions as points"));
         }
-        let found = crate::watch::run(py, threads, None, |control| {
-            looks(&self.inner, &points, &directions, control)
-        })?
-        .map_err(|_| pyo3::exceptions::PyKeyboardInterrupt::new_err("cancelled"))?;
+        let found = crate::watch::run(py, threads, None, |control| looks(&self.inner, &points, &directions, control))?
+            .map_err(|_| pyo3::exceptions::PyKeyboardInterrupt::new_err("cancelled"))?;
         let polygon: Vec<i64> = found.iter().map(|look| look.polygon.map_or(-1, i64::from)).collect();
         let distance: Vec<f64> = found.iter().map(|look| f64::from(look.distance)).collect();
         let is_front: Vec<bool> = found.iter().map(|look| look.is_front).collect();
-        Ok((
-            convert::vector_out(py, &polygon),
-            convert::vector_out(py, &distance),
-            convert::vector_out(py, &is_front),
-        ))
+        Ok((convert::vector_out(py, &polygon), convert::vector_out(py, &distance), convert::vector_out(py, &is_front)))
     }
 
     /// Bytes held.

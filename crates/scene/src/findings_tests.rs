@@ -322,7 +322,10 @@ fn the_larger_part_of_a_shell_says_which_way_it_winds() {
     let mut mixed = cube();
     [0, 1, 2, 3].into_iter().for_each(|f: usize| mixed.faces[f].reverse());
     let found = only(&scene(vec![mixed]));
-    assert_eq!((found.element.as_str(), &found.place.faces[..]), ("surface 'square', face 4 (and 1 more)", &[4, 5][..]));
+    assert_eq!(
+        (found.element.as_str(), &found.place.faces[..]),
+        ("surface 'square', face 4 (and 1 more)", &[4, 5][..])
+    );
 }
 
 #[test]
@@ -368,6 +371,22 @@ fn a_slit_between_two_halves_is_a_gap_and_a_panel_on_a_wall_is_none() {
     let found = only(&beside(1.001, 0.0, 1.0));
     assert_eq!((found.code, found.place.edges.len()), ("narrow-gap", 2));
     assert_eq!(beside(0.25, 0.001, 0.5).findings(), vec![]);
+}
+
+#[test]
+fn a_body_that_was_set_down_a_little_above_the_floor_is_no_gap() {
+    let mut body = cube();
+    body.name = "body".into();
+    body.faces.remove(0);
+    body.vertices.iter_mut().for_each(|vertex| *vertex = 0.2 * *vertex + DVec3::new(0.4, 0.4, 1e-3));
+    assert_eq!(scene(vec![square(), body]).findings(), vec![]);
+
+    // Walls and a floor that end at one another are another matter.
+    let (mut walls, mut floor) = (cube(), square());
+    walls.faces.remove(0);
+    walls.vertices.iter_mut().for_each(|vertex| vertex.z += 1e-3);
+    floor.name = "floor".into();
+    assert_eq!(only(&scene(vec![walls, floor])).code, "narrow-gap");
 }
 
 #[test]

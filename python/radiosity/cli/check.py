@@ -38,8 +38,8 @@ def check(
 ) -> None:
     """List what is wrong or doubtful about a scene; exit code 3 if it cannot be lit.
 
-    Shapes, paint and lamps are looked at, and a few rays from every face tell which of them look the wrong way and where
-    light escapes; above 200,000 faces there are no rays.
+    Shapes, paint and lamps are looked at, and a few rays from every face tell which of them look the wrong way and
+    where light escapes; above 200,000 faces there are no rays.
     """
     if picture is not None:
         _check_picture(picture, file)

@@ -93,7 +93,9 @@ def _mark(number: int, finding: Finding, polygons: Floats, first_face: npt.NDArr
 def _longest(polygon: Floats) -> Floats:
     """(2, 3) the longest of the edges and diagonals of a face."""
     a, b, c, d = polygon
-    return max((np.array(pair) for pair in ((a, b), (b, c), (c, d), (a, c), (b, d))), key=lambda e: np.linalg.norm(e[1] - e[0]))
+    return max(
+        (np.array(pair) for pair in ((a, b), (b, c), (c, d), (a, c), (b, d))), key=lambda e: np.linalg.norm(e[1] - e[0])
+    )
 
 
 def _faces(finding: Finding, first_face: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import textwrap
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -63,7 +63,8 @@ def boxes(count: int) -> list[Box]:
     width = (WIDTH - 3 * MARGIN) // 2
     height = round(width / ASPECT)
     return [
-        Box(MARGIN + (k % 2) * (width + MARGIN), HEAD + (k // 2) * (height + MARGIN), width, height) for k in range(count)
+        Box(MARGIN + (k % 2) * (width + MARGIN), HEAD + (k // 2) * (height + MARGIN), width, height)
+        for k in range(count)
     ]
 
 
@@ -110,7 +111,9 @@ def shade(view: View, width: int, height: int) -> Pixels:
     table = np.array([_rgb(mark.colour) for mark in stage.marks] + [PAPER])
     row, column = np.indices(face.shape)
     stripes = (row + column) // (6 * SAMPLES) % 2 == 0
-    from_behind = (normal @ view.axes[2] > 0) & np.array([m.finding.code in TURNED for m in stage.marks] + [False])[tint]
+    from_behind = (normal @ view.axes[2] > 0) & np.array([m.finding.code in TURNED for m in stage.marks] + [False])[
+        tint
+    ]
     strength = np.where(from_behind & stripes, 0.5 * TINTED, TINTED)
     colour = np.where((tint >= 0)[..., None], colour + strength[..., None] * (table[tint] - colour), colour)
     colour = colour * light[..., None]
@@ -176,7 +179,9 @@ def _draw_edges(axes: Axes, view: View, mark: Mark, edges: Floats, box: Box) -> 
         if len(lines):
             runs = _runs(pieces, which & usable)
             if style == "-":
-                axes.add_collection(LineCollection(runs, colors="white", linewidths=width + 1.6, capstyle="round", zorder=3))
+                axes.add_collection(
+                    LineCollection(runs, colors="white", linewidths=width + 1.6, capstyle="round", zorder=3)
+                )
             axes.add_collection(
                 LineCollection(runs, colors=mark.colour, linewidths=width, linestyles=[style], alpha=alpha, zorder=4)
             )
@@ -234,7 +239,7 @@ def _apart(at: Floats, box: Box) -> Floats:
                 gap = np.where(far > 1e-6, gap / np.maximum(far, 1e-6), [[np.cos(2.4 * i), np.sin(2.4 * i)]])
                 push += (np.maximum(reach - far, 0) * gap).sum(axis=0)
             spots[i] = np.clip(spots[i] + 0.5 * push, 16, [box.width - 16, box.height - 16])
-    return spots
+    return np.asarray(spots)
 
 
 Row = tuple[Mark | None, str, list[str]]
@@ -255,7 +260,9 @@ def _legend(stage: Stage) -> list[Row]:
     if len(stage.marks) > MOST_LISTED:
         rows.append((None, f"and {len(stage.marks) - MOST_LISTED} more: radiosity check lists all", []))
     if any(mark.finding.code in TURNED for mark in stage.marks):
-        rows.append((None, "Striped faces are seen from behind. Broken lines are hidden by what stands before them.", []))
+        rows.append(
+            (None, "Striped faces are seen from behind. Broken lines are hidden by what stands before them.", [])
+        )
     elif any(len(mark.edges) for mark in stage.marks):
         rows.append((None, "Broken lines are hidden by what stands before them.", []))
     if not rows:
@@ -287,6 +294,6 @@ def _draw_legend(figure: Figure, rows: list[Row], top: float, height: int) -> No
         y += ROW
 
 
-def _write(figure: Figure, x: float, y: float, text: str, height: int, size: float = 10.5, **options: str) -> None:
+def _write(figure: Figure, x: float, y: float, text: str, height: int, size: float = 10.5, **options: Any) -> None:
     # A dollar sign in the name of a surface is no formula.
     figure.text(x / WIDTH, 1 - y / height, text, fontsize=size, va="center", parse_math=False, **options)

@@ -153,7 +153,10 @@ def _native_patches(polygons: Floats, two_sided: Flags | None = None) -> _native
     n = len(polygons)
     sides = np.zeros(n, bool) if two_sided is None else two_sided
     return _native.Patches(
-        np.ascontiguousarray(polygons), np.zeros(n, np.uint32), np.arange(n, dtype=np.uint32), np.ascontiguousarray(sides)
+        np.ascontiguousarray(polygons),
+        np.zeros(n, np.uint32),
+        np.arange(n, dtype=np.uint32),
+        np.ascontiguousarray(sides),
     )
 
 
@@ -170,13 +173,17 @@ def _shown_from(polygons: Floats, two_sided: Flags) -> Flags:
     return shown
 
 
+def _axis(k: int) -> Floats:
+    return np.array([float(k == axis) for axis in range(3)])
+
+
 def _up(scene: Scene, normal: Floats, surface: Indices) -> Floats:
     """What is up: as cameras say, or across the floor, or along y as in most files."""
     for camera in scene.cameras:
         up = np.asarray(camera.up, dtype=np.float64)
         if np.isfinite(up).all() and np.abs(up).max() > 0:
-            return np.eye(3)[int(np.argmax(np.abs(up)))] * np.sign(up[np.argmax(np.abs(up))])
+            return _axis(int(np.argmax(np.abs(up)))) * float(np.sign(up[np.argmax(np.abs(up))]))
     for index, found in enumerate(scene.surfaces):
         if any(word in found.name.lower() for word in ("floor", "ground", "boden")) and (surface == index).any():
-            return np.eye(3)[int(np.argmax(np.abs(normal[surface == index]).sum(axis=0)))]
+            return _axis(int(np.argmax(np.abs(normal[surface == index]).sum(axis=0))))
     return np.array([0.0, 1.0, 0.0])

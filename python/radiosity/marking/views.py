@@ -127,7 +127,7 @@ def _from_outside(stage: Stage, azimuth: float, elevation: float) -> Camera:
     tangent = math.tan(0.5 * FOV) * 0.92
     needed = corners @ away + np.maximum(abs(corners @ right) / (tangent * ASPECT), abs(corners @ above) / tangent)
     distance = max(float(needed.max()), 1e-9)
-    return Camera.look_at(centre + distance * away, centre, up, FOV)
+    return Camera.look_at(_triple(centre + distance * away), _triple(centre), _triple(up), FOV)
 
 
 def _close_ups(panels: list[Panel]) -> list[Panel]:
@@ -135,10 +135,12 @@ def _close_ups(panels: list[Panel]) -> list[Panel]:
     found, done = [], set()
     for view, seen, _ in panels:
         for mark in seen:
-            if mark.number in done or not 0 < mark.size:
+            if mark.number in done or mark.size <= 0:
                 continue
             place = visible_anchors(view, mark)[0]
-            ahead, above = (view.project(place[None] + step, 1333, 1000)[0] for step in (0 * place, mark.size * view.axes[1]))
+            ahead, above = (
+                view.project(place[None] + step, 1333, 1000)[0] for step in (0 * place, mark.size * view.axes[1])
+            )
             if abs(ahead[1] - above[1]) < LEAST_PIXELS:
                 done.add(mark.number)
                 found.append((mark, _near(view, mark, place)))

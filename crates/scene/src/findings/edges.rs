@@ -24,7 +24,7 @@ const MOST_NAMED: usize = 6;
 #[derive(Clone, Copy)]
 pub(super) struct EdgeUse {
     /// Ids of the end points, the lower one first.
-    points: [u32; 2],
+    pub(super) points: [u32; 2],
     pub(super) surface: u32,
     pub(super) face: u32,
     /// Whether the face runs along the edge from the lower point to the higher one.
@@ -311,8 +311,11 @@ impl<'a> Winding<'a> {
         for pair in &self.joints {
             for (a, b) in [(pair[0], pair[1]), (pair[1], pair[0])] {
                 if is_against(&a) {
-                    let turned =
-                        turned.entry(a.surface).or_insert(Turned { faces: Vec::new(), edges: Vec::new(), neighbour: b });
+                    let turned = turned.entry(a.surface).or_insert(Turned {
+                        faces: Vec::new(),
+                        edges: Vec::new(),
+                        neighbour: b,
+                    });
                     turned.faces.push(a.face);
                     if a.is_upward == b.is_upward && !is_against(&b) {
                         if turned.edges.is_empty() {

@@ -72,9 +72,21 @@ pub(super) fn narrow_gaps(scene: &Scene, found: &mut Vec<Finding>) {
             pairs.entry((s.min(t), s.max(t))).or_default().push((i, point, near));
         }
     }
-    for gaps in pairs.into_values() {
+    for gaps in pairs.into_values().filter(|gaps| !is_foot(&single, gaps)) {
         found.push(finding(scene, &edges, &single, &gaps));
     }
+}
+
+/// Whether edges are the whole rim of a body that was set down a little above a face, such as the foot of a lamp.
+fn is_foot(single: &[EdgeUse], gaps: &[(usize, DVec3, Near)]) -> bool {
+    let rim: Vec<_> = gaps.iter().map(|gap| single[gap.0]).collect();
+    let mut ends = BTreeMap::new();
+    for point in rim.iter().flat_map(|edge| edge.points) {
+        *ends.entry(point).or_insert(0) += 1;
+    }
+    let is_round = ends.values().all(|uses| uses % 2 == 0);
+    // Where the other face ends too, it is a seam between the two.
+    is_round && rim.iter().all(|edge| edge.surface == rim[0].surface)
 }
 
 fn samples(edges: &Edges, single: &[EdgeUse], reach: f64) -> Vec<Sample> {

@@ -83,7 +83,8 @@ pub(super) fn overlapping_faces(scene: &Scene, found: &mut Vec<Finding>) {
     for_each_close_pair(&faces, ROUNDING * size, |a, b| {
         let (first, second) = if (a.surface, a.face) < (b.surface, b.face) { (a, b) } else { (b, a) };
         let common = common_part(a, b);
-        if vector_area_of(&common) > LEAST_OVERLAP * a.area.min(b.area) && corner_key(a.corners) != corner_key(b.corners)
+        if vector_area_of(&common) > LEAST_OVERLAP * a.area.min(b.area)
+            && corner_key(a.corners) != corner_key(b.corners)
         {
             pairs.entry((first.surface, second.surface)).or_default().add(first, second, common);
         }
