@@ -41,7 +41,8 @@ MOST_NAMED = 10
 
 OPTICS = frozenset({
     "camera", "camera-left-out", "camera-unusable", "dark-light", "emission-range", "emissivity-limited",
-    "high-reflectance", "ignored-extensions", "light-intensity", "light-placement", "light-range", "lit-model",
+    "high-reflectance", "ignored-extensions", "lamp-without-area",
+    "light-intensity", "light-placement", "light-range", "lit-model",
     "metallic-material", "missing-library", "no-bands", "no-diffuse-colour", "no-light", "no-material",
     "reflectance-limited", "reflectance-range", "spectrum-length", "transparent-material", "unknown-material",
     "unreadable-texture",
