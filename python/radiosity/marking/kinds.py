@@ -22,7 +22,8 @@ COLOURS = {
     "mixed-winding": _BLUE, "turned-faces": _BLUE, "looking-outward": _BLUE, "back-in-sight": _SKY,
     "overlapping-faces": _ORANGE, "duplicate-faces": _ORANGE, "coincident-opposite": _ORANGE,
     "sliver-faces": _PINK, "zero-area-faces": _PINK, "non-planar-face": _PINK, "non-convex-face": _PINK,
-    "open-rims": PALETTE[13], "non-manifold-edges": _GREEN, "buried-faces": _WINE, "blocked-lamp": _YELLOW, "high-reflectance": _YELLOW,
+    "open-rims": PALETTE[13], "non-manifold-edges": _GREEN,
+    "buried-faces": _WINE, "blocked-lamp": _YELLOW, "high-reflectance": _YELLOW,
     "reflectance-range": _YELLOW, "emission-range": _YELLOW,
 }  # fmt: skip
 """By code; what is not named here is teal."""
