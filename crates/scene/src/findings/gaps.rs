@@ -46,6 +46,14 @@ struct Near {
     face: u32,
 }
 
+/// An edge that runs along a face, where it is farthest from it.
+#[derive(Clone, Copy)]
+struct Gap {
+    edge: EdgeUse,
+    point: DVec3,
+    near: Near,
+}
+
 /// Edges that run close by a face that they do not touch, counted per pair of surfaces.
 pub(super) fn narrow_gaps(scene: &Scene, found: &mut Vec<Finding>) {
     let Some((low, high)) = scene.bounds() else { return };
@@ -64,22 +72,22 @@ pub(super) fn narrow_gaps(scene: &Scene, found: &mut Vec<Finding>) {
             runs.entry(sample.edge).or_default().push((sample.point, near));
         }
     }
-    let mut pairs: BTreeMap<(u32, u32), Vec<(usize, DVec3, Near)>> = BTreeMap::new();
+    let mut pairs: BTreeMap<(u32, u32), Vec<Gap>> = BTreeMap::new();
     for (i, run) in runs.into_iter().filter(|(_, run)| run.len() >= ENOUGH) {
         let widest = run.iter().max_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
         if let Some(&(point, near)) = widest {
-            let (s, t) = (single[i].surface, near.surface);
-            pairs.entry((s.min(t), s.max(t))).or_default().push((i, point, near));
+            let (edge, s, t) = (single[i], single[i].surface, near.surface);
+            pairs.entry((s.min(t), s.max(t))).or_default().push(Gap { edge, point, near });
         }
     }
-    for gaps in pairs.into_values().filter(|gaps| !is_foot(&single, gaps)) {
-        found.push(finding(scene, &edges, &single, &gaps));
+    for gaps in pairs.into_values().filter(|gaps| !is_foot(gaps)) {
+        found.push(finding(scene, &edges, &gaps));
     }
 }
 
 /// Whether edges are the whole rim of a body that was set down a little above a face, such as the foot of a lamp.
-fn is_foot(single: &[EdgeUse], gaps: &[(usize, DVec3, Near)]) -> bool {
-    let rim: Vec<_> = gaps.iter().map(|gap| single[gap.0]).collect();
+fn is_foot(gaps: &[Gap]) -> bool {
+    let rim: Vec<_> = gaps.iter().map(|gap| gap.edge).collect();
     let mut ends = BTreeMap::new();
     for point in rim.iter().flat_map(|edge| edge.points) {
         *ends.entry(point).or_insert(0) += 1;
@@ -140,11 +148,10 @@ fn measure(scene: &Scene, single: &[EdgeUse], samples: &mut [Sample], axis: usiz
     }
 }
 
-fn finding(scene: &Scene, edges: &Edges, single: &[EdgeUse], gaps: &[(usize, DVec3, Near)]) -> Finding {
-    let widths = gaps.iter().map(|gap| gap.2.distance);
+fn finding(scene: &Scene, edges: &Edges, gaps: &[Gap]) -> Finding {
+    let widths = gaps.iter().map(|gap| gap.near.distance);
     let (least, most) = widths.fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(w), high.max(w)));
-    let &(i, point, near) = &gaps[0];
-    let edge = single[i];
+    let Gap { edge, point, near } = gaps[0];
     let width = if most - least < 0.01 * most { format!("{most:.2e}") } else { format!("{least:.2e} to {most:.2e}") };
     let count = if gaps.len() == 1 { "an edge runs".into() } else { format!("{} edges run", gaps.len()) };
     let message = format!(
@@ -153,10 +160,10 @@ fn finding(scene: &Scene, edges: &Edges, single: &[EdgeUse], gaps: &[(usize, DVe
         near.face, scene.surfaces[near.surface as usize].name, point.x, point.y, point.z
     );
     let element = format!("{}, face {}", named(&scene.surfaces[edge.surface as usize]), edge.face);
-    let own = gaps.iter().map(|gap| single[gap.0]).filter(|e| e.surface == edge.surface).map(|e| e.face);
+    let own = gaps.iter().map(|gap| gap.edge).filter(|e| e.surface == edge.surface).map(|e| e.face);
     Finding::warning("narrow-gap", element, message)
         .on(edge.surface as usize, own)
-        .along(gaps.iter().map(|gap| edges.ends(&single[gap.0])))
+        .along(gaps.iter().map(|gap| edges.ends(&gap.edge)))
         .at([point, near.point])
 }
 
