@@ -116,7 +116,7 @@ def window_room() -> radiosity.Scene:
 
 def mesh_of(scene: radiosity.Scene) -> radiosity.Patches:
     """The patches that answers are stored for."""
-    return scene.patches(as_is=True) if scene.name == "crater" else scene.patches(count=600)
+    return scene.patches(as_is=True) if scene.name == "crater" else scene.patches(count=600, contacts=False)
 
 
 PATH_TRACED = {"keyhole": keyhole, "study": study, "corridor": corridor, "crater": crater, "window room": window_room}

@@ -24,8 +24,8 @@ CsrTuple = tuple[npt.NDArray[np.int64], _Indices, _Floats]
 CameraTuple = tuple[str, _Triple, _Triple, _Triple, float, float | None]
 # name, material, reflectance, two-sided
 LitSurfaceTuple = tuple[str, str, list[float], bool]
-# severity, code, element, message
-_FindingTuple = tuple[Any, str, str, str]
+# severity, code, element, message; surface, (k,) faces of it, (k, 2, 3) edges, (k, 3) points
+_FindingTuple = tuple[Any, str, str, str, int | None, _Indices, _Floats, _Floats]
 # name, vertices, faces, material, reflectance, emission, two-sided
 _SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool]
 _SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool]
@@ -107,6 +107,10 @@ class Enclosure:
         self, points: _Floats, normals: _Floats, reach: float
     ) -> tuple[npt.NDArray[np.int64], _Floats]: ...
     def validate(self) -> None: ...
+    # polygon or -1, distance, whether it is the front
+    def looks(
+        self, points: _Floats, directions: _Floats, threads: int | None = None
+    ) -> tuple[npt.NDArray[np.int64], _Floats, npt.NDArray[np.bool_]]: ...
     @property
     def memory_bytes(self) -> int: ...
 

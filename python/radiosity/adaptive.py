@@ -63,7 +63,7 @@ class Step:
     Attributes:
         patches: how many it has.
         mesh_error: what the linear field on it leaves of the light, root mean square over area relative to the mean
-            irradiance; it stays below nine times in ten.
+            irradiance; the upper end of an interval that holds it nine times in ten.
         other_error: what the other causes add, likewise.
         seconds: since the solve began.
     """

@@ -38,8 +38,8 @@ class Certificate:
         error: (n_patches, n_bands) standard error of the irradiance of each patch, W/m2, all causes that count.
         by_cause: the same for each cause alone.
         whole: root mean square over area and bands of each cause, relative to the mean irradiance.
-        estimated_error: what the error of the whole stays below nine times in ten, relative to the mean irradiance.
-        interval: what it is nine times in ten above, and below.
+        interval: what holds the error of the whole, relative to the mean irradiance, nine times in ten.
+        estimated_error: its upper end.
         of_field: whether "mesh" counts. It does where the engine chose the mesh and the answer is a field, piecewise
             linear over patches; on patches that were given, the answer is the mean over each.
     """

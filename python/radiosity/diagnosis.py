@@ -1,5 +1,7 @@
-"""What form factors tell of the geometry that they were measured on: leaks, turned faces, faces in one place.
+"""What is doubtful about a scene: what its shapes and a few rays tell, or the form factors measured on it.
 
+    >>> for finding in radiosity.diagnosis.examine(scene):
+    ...     print(finding)
     >>> for finding in radiosity.diagnosis.of(F):
     ...     print(finding)
 
@@ -17,7 +19,10 @@ import numpy.typing as npt
 from radiosity.scene import Finding
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from radiosity.factors import FormFactors
+    from radiosity.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
@@ -36,7 +41,8 @@ MOST_NAMED = 10
 
 OPTICS = frozenset({
     "camera", "camera-left-out", "camera-unusable", "dark-light", "emission-range", "emissivity-limited",
-    "high-reflectance", "ignored-extensions", "light-intensity", "light-placement", "light-range", "lit-model",
+    "high-reflectance", "ignored-extensions", "lamp-without-area",
+    "light-intensity", "light-placement", "light-range", "lit-model",
     "metallic-material", "missing-library", "no-bands", "no-diffuse-colour", "no-light", "no-material",
     "reflectance-limited", "reflectance-range", "spectrum-length", "transparent-material", "unknown-material",
     "unreadable-texture",
@@ -67,6 +73,31 @@ class Place:
         """The patch by its number, surface and face."""
         back = "the back of " if self.is_back else ""
         return f"{back}patch {self.patch} of '{self.surface}', face {self.face}"
+
+
+def examine(
+    scene: Scene,
+    *,
+    enclosure: bool | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[Finding]:
+    """Everything doubtful about a scene, worst first: what :meth:`radiosity.Scene.findings` tells, and a few rays.
+
+    Rays find faces that look the wrong way, that lie within solids or right before others, and where light leaves a
+    space that is nearly closed. They are left out where shapes are unsound, and above 200,000 faces.
+
+    Args:
+        scene: what is examined.
+        enclosure: whether the surfaces should enclose a space; as the hints say by default.
+        seed, threads, progress: of the rays, as in :func:`radiosity.solve`.
+    """
+    from radiosity import ray_tests  # noqa: PLC0415
+
+    known = scene.findings(enclosure=enclosure)
+    found = ray_tests.complete(scene, known, enclosure, seed=seed, threads=threads, progress=progress)
+    return sorted(found, key=lambda finding: _RANK[finding.severity])
 
 
 def of(factors: FormFactors, *, enclosure: bool | None = None) -> list[Finding]:

@@ -29,8 +29,8 @@ _STOPS = {
 class Report:
     """Energy, closure, error and effort of a solve; prints as a table.
 
-    Powers are W per band. ``estimated_error`` is what the error of irradiance, root mean square over area and bands
-    relative to its mean, stays below nine times in ten; ``interval`` is what it is nine times in ten above, and below.
+    Powers are W per band. The error of irradiance is its root mean square over area and bands relative to its mean;
+    ``interval`` holds it nine times in ten, and ``estimated_error`` is its upper end.
     ``causes`` splits it (see :class:`radiosity.Certificate`); it combines ``sampling_error`` (more rays reduce it) and
     ``discretisation_error`` (smaller patches reduce it). ``of_field`` tells whether it is the error of a field that is
     linear over patches, as it is on a mesh of the engine's own, the last of ``meshes``; then ``mesh_error``, what that

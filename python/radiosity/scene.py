@@ -173,14 +173,35 @@ class Camera:
         return self.name, self.position, self.forward, self.up, self.vertical_fov, self.aspect
 
 
+def _none(*shape: int) -> npt.NDArray[np.float64]:
+    return np.zeros((0, *shape))
+
+
 @dataclass(frozen=True)
 class Finding:
-    """One thing noticed about a scene: ``severity`` is note, warning or error."""
+    """One thing noticed about a scene: ``severity`` is note, warning or error.
+
+    Args:
+        severity: how bad it is; a scene with an error cannot be lit.
+        code: a stable kind, such as ``zero-area-faces``.
+        element: the element concerned, such as ``surface 'floor', face 12``.
+        message: what is wrong and what to do.
+        surface: index of the surface concerned.
+        faces: (k,) int, faces of that surface; where there are none, the whole of it is meant.
+        edges: (k, 2, 3) float, stretches of edges in metres: rims of holes, joints, outlines of overlaps.
+        points: (k, 3) float, metres.
+
+    At most 10,000 faces, edges and points are kept. Two findings are equal if they say the same.
+    """
 
     severity: Literal["note", "warning", "error"]
     code: str
     element: str
     message: str
+    surface: int | None = None
+    faces: npt.NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32), repr=False, compare=False)
+    edges: Floats = field(default_factory=lambda: _none(2, 3), repr=False, compare=False)
+    points: Floats = field(default_factory=lambda: _none(3), repr=False, compare=False)
 
     def __str__(self) -> str:
         where = f"{self.element}: " if self.element else ""

@@ -6,8 +6,8 @@
 //! elements changed bounds what still finer elements would change. Where the answer is wanted as a field, what that
 //! leaves of the light within patches counts too (`mesh_error.rs`).
 //!
-//! What is reported is not the likeliest value of the error but one that it stays below nine times in ten: variances
-//! are known from four replicates only, and those of noise that many sides share are known badly.
+//! What is reported is not the likeliest value of the error but the upper end of an interval that holds it nine times in
+//! ten: variances are known from four replicates only, and those of noise that many sides share are known badly.
 
 use crate::answer::{Answer, Task, ratio};
 use crate::energy::Energy;
@@ -22,8 +22,8 @@ use radiosity_operator::{Cancelled, Operator};
 const MOST_BOUNCES: usize = 60;
 const SETTLED: f64 = 0.03;
 
-/// One in ten of a normal distribution lies beyond so many standard deviations.
-const ONE_IN_TEN: f64 = 1.28;
+/// Nine in ten of a normal distribution lie within so many standard deviations.
+const NINE_IN_TEN: f64 = 1.645;
 
 /// Relative standard deviations of estimated variances: of one side from four replicates, three degrees of freedom; of
 /// carried noise, which many sides share, as if from six in all.
@@ -43,11 +43,11 @@ pub(crate) struct Estimate {
     /// Mean square of what the field leaves of the light, less its noise, and the variance of that, per side.
     pub mesh: Vec<f64>,
     pub mesh_noise: Vec<f64>,
-    /// What the root mean square over area and bands, relative to the mean irradiance, stays below nine times in ten.
+    /// The root mean square over area and bands, relative to the mean irradiance: the upper end of the interval.
     pub relative: f64,
     /// The same without the part of the mesh.
     pub relative_but_mesh: f64,
-    /// Nine times in ten above the first, and nine times in ten below the second.
+    /// It is between these nine times in ten.
     pub interval: (f64, f64),
     /// The likeliest value without the part of the mesh.
     pub likely_but_mesh: f64,
@@ -57,7 +57,7 @@ pub(crate) struct Estimate {
     pub relative_elements: f64,
     /// The part that smaller patches reduce, whether it counts or not.
     pub relative_mesh: f64,
-    /// What that stays below nine times in ten.
+    /// The upper end of its interval.
     pub mesh_bound: f64,
     /// Mean irradiance over area and bands.
     pub mean_irradiance: f64,
@@ -75,11 +75,11 @@ struct Part {
 
 impl Part {
     fn high(&self) -> f64 {
-        self.square.max(0.0) + ONE_IN_TEN * self.deviation
+        self.square.max(0.0) + NINE_IN_TEN * self.deviation
     }
 
     fn low(&self) -> f64 {
-        (self.square - ONE_IN_TEN * self.deviation).max(0.0)
+        (self.square - NINE_IN_TEN * self.deviation).max(0.0)
     }
 }
 

@@ -77,15 +77,14 @@ impl Cause {
 pub struct Report {
     /// The accuracy asked for.
     pub accuracy: f64,
-    /// What the error of irradiance stays below nine times in ten: root mean square over area and bands, relative to the
-    /// mean.
+    /// Error of irradiance, root mean square over area and bands, relative to the mean: the upper end of the interval.
     pub estimated_error: f64,
-    /// What it is nine times in ten above, and below.
+    /// What holds it nine times in ten.
     pub interval: (f64, f64),
     /// Whether it is of the field between the patches' values too, or of their means only.
     pub of_field: bool,
-    /// What the piecewise linear field through the patches' values leaves of the light, counted or not: what that stays
-    /// below nine times in ten.
+    /// What the piecewise linear field through the patches' values leaves of the light, counted or not: the upper end
+    /// of an interval that holds it nine times in ten.
     pub mesh_error: f64,
     /// Error by cause, as far as told apart: root mean square over area and bands, relative to the mean.
     pub causes: Vec<(Cause, f64)>,

@@ -180,6 +180,11 @@ impl Enclosure {
         (p - self.middle).as_vec3()
     }
 
+    /// The patch that was hit, or the obstruction, which are numbered after all patches.
+    pub fn polygon(&self, hit: &Hit) -> Option<u32> {
+        (!hit.is_miss()).then(|| self.owner[hit.triangle as usize] >> 1)
+    }
+
     /// What a hit of the hierarchy means.
     pub fn sight(&self, direction: Vec3, hit: &Hit) -> Sight {
         match self.landing(direction, hit) {

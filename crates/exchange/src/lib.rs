@@ -8,6 +8,7 @@ pub mod facets;
 pub mod factors;
 pub mod hierarchy;
 pub mod kernels;
+pub mod looks;
 pub mod luminaires;
 pub mod on_demand;
 pub mod operator;

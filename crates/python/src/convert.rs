@@ -34,6 +34,12 @@ pub fn polygons_out<'py>(py: Python<'py>, polygons: &[[DVec3; 4]]) -> Bound<'py,
     Array3::from_shape_vec((polygons.len(), 4, 3), flat).expect("twelve numbers each").into_pyarray(py)
 }
 
+/// (n, 2, 3) ends of edges.
+pub fn edges_out<'py>(py: Python<'py>, edges: &[[DVec3; 2]]) -> Bound<'py, PyArray3<f64>> {
+    let flat: Vec<f64> = edges.iter().flatten().flat_map(|p| p.to_array()).collect();
+    Array3::from_shape_vec((edges.len(), 2, 3), flat).expect("six numbers each").into_pyarray(py)
+}
+
 /// A copy as a one-dimensional array.
 pub fn vector_out<'py, T: numpy::Element + Clone>(py: Python<'py>, values: &[T]) -> Bound<'py, PyArray1<T>> {
     Array1::from_vec(values.to_vec()).into_pyarray(py)

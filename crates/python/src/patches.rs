@@ -5,6 +5,7 @@ use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use radiosity_exchange::looks::looks;
 use radiosity_geometry::Corners;
 use radiosity_geometry::corners::CREASE_ANGLE;
 use radiosity_scene::meshing::{self, Meshing};
@@ -136,6 +137,9 @@ impl AdaptiveMesh {
     }
 }
 
+/// Polygon, distance and whether it is the front, of each ray.
+type Looks<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);
+
 /// Patches with the hierarchy that rays traverse.
 #[pyclass(frozen, module = "radiosity._native")]
 pub struct Enclosure {
@@ -178,6 +182,29 @@ impl Enclosure {
     /// Raises `RuntimeError` if an invariant of the hierarchy does not hold.
     fn validate(&self) -> PyResult<()> {
         self.inner.bvh().validate().map_err(pyo3::exceptions::PyRuntimeError::new_err)
+    }
+
+    /// What rays from (n, 3) points along (n, 3) directions meet first: (n,) polygon, obstructions after all patches and
+    /// -1 for nothing; (n,) distance in lengths of the direction; (n,) whether it is the front.
+    #[pyo3(signature = (points, directions, threads=None))]
+    fn looks<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+        directions: PyReadonlyArray2<'py, f64>,
+        threads: Option<usize>,
+    ) -> PyResult<Looks<'py>> {
+        let (points, directions) =
+            (convert::points_in(&points, "points")?, convert::points_in(&directions, "directions")?);
+        if points.len() != directions.len() {
+            return Err(PyValueError::new_err("there must be as many directions as points"));
+        }
+        let found = crate::watch::run(py, threads, None, |control| looks(&self.inner, &points, &directions, control))?
+            .map_err(|_| pyo3::exceptions::PyKeyboardInterrupt::new_err("cancelled"))?;
+        let polygon: Vec<i64> = found.iter().map(|look| look.polygon.map_or(-1, i64::from)).collect();
+        let distance: Vec<f64> = found.iter().map(|look| f64::from(look.distance)).collect();
+        let is_front: Vec<bool> = found.iter().map(|look| look.is_front).collect();
+        Ok((convert::vector_out(py, &polygon), convert::vector_out(py, &distance), convert::vector_out(py, &is_front)))
     }
 
     /// Bytes held.

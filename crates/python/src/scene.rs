@@ -1,7 +1,7 @@
 //! Scenes across the border: plain tuples and arrays out, the same in.
 
 use crate::{convert, errors, patches};
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -100,19 +100,19 @@ impl Scene {
         self.inner.cameras.iter().map(camera_out).collect()
     }
 
-    /// What the loader noticed: (severity, code, element, message) each.
-    fn loading_findings(&self) -> Vec<(&'static str, &'static str, String, String)> {
-        findings_out(&self.inner.findings)
+    /// What the loader noticed: severity, code, element, message, surface, faces, edges and points of each.
+    fn loading_findings<'py>(&self, py: Python<'py>) -> Vec<FindingOut<'py>> {
+        findings_out(py, &self.inner.findings)
     }
 
     /// Everything worth knowing before lighting it.
-    fn findings(&self) -> Vec<(&'static str, &'static str, String, String)> {
-        findings_out(&self.inner.findings())
+    fn findings<'py>(&self, py: Python<'py>) -> Vec<FindingOut<'py>> {
+        findings_out(py, &py.detach(|| self.inner.findings()))
     }
 
     /// Where the surfaces fail to enclose a space.
-    fn enclosure_findings(&self) -> Vec<(&'static str, &'static str, String, String)> {
-        findings_out(&self.inner.enclosure_findings())
+    fn enclosure_findings<'py>(&self, py: Python<'py>) -> Vec<FindingOut<'py>> {
+        findings_out(py, &py.detach(|| self.inner.enclosure_findings()))
     }
 
     /// Raises `SceneError` if the scene cannot be lit.
@@ -255,11 +255,36 @@ pub fn camera_in((name, position, forward, up, vertical_fov, aspect): CameraTupl
     Camera { name, position, forward, up, vertical_fov, aspect }
 }
 
-fn findings_out(findings: &[radiosity_scene::Finding]) -> Vec<(&'static str, &'static str, String, String)> {
+/// severity, code, element, message; surface, (k,) faces of it, (k, 2, 3) edges and (k, 3) points.
+type FindingOut<'py> = (
+    &'static str,
+    &'static str,
+    String,
+    String,
+    Option<u32>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray3<f64>>,
+    Bound<'py, PyArray2<f64>>,
+);
+
+fn findings_out<'py>(py: Python<'py>, findings: &[radiosity_scene::Finding]) -> Vec<FindingOut<'py>> {
     let severity = |s| match s {
         Severity::Note => "note",
         Severity::Warning => "warning",
         Severity::Error => "error",
     };
-    findings.iter().map(|f| (severity(f.severity), f.code, f.element.clone(), f.message.clone())).collect()
+    let out = |f: &radiosity_scene::Finding| {
+        let place = &f.place;
+        (
+            severity(f.severity),
+            f.code,
+            f.element.clone(),
+            f.message.clone(),
+            place.surface,
+            convert::vector_out(py, &place.faces),
+            convert::edges_out(py, &place.edges),
+            convert::points_out(py, &place.points),
+        )
+    };
+    findings.iter().map(out).collect()
 }

@@ -4,21 +4,23 @@
 //! a count, so that a broken file does not answer with a million sentences.
 
 mod edges;
+mod gaps;
 mod overlaps;
+mod shapes;
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
 use self::overlaps::{corner_key, duplicate_faces};
-use crate::model::{Camera, Finding, Light, Scene, SceneError, Severity, Surface};
+use crate::model::{Camera, Face, Finding, Light, MOST_PLACES, Scene, SceneError, Severity, Surface};
 use crate::quad::{self, Shape};
 
 /// Above this reflectance solutions need hundreds of bounces and small errors grow.
 const HIGH_REFLECTANCE: f64 = 0.95;
 
 /// Diagonals in metres outside which the unit of length is probably wrong.
-const PLAUSIBLE_SIZE: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
+const PLAUSIBLE_SIZE: std::ops::RangeInclusive<f64> = 1e-2..=1e3;
 
 impl Scene {
     /// All that the loader noticed, followed by all that the rules find. Whether the surfaces enclose a space is asked
@@ -28,6 +30,7 @@ impl Scene {
         if self.is_indexed() {
             edges::mixed_winding(self, &mut found);
             overlaps::overlapping_faces(self, &mut found);
+            gaps::narrow_gaps(self, &mut found);
         }
         if self.hints.enclosure {
             found.extend(self.enclosure_findings());
@@ -47,10 +50,7 @@ impl Scene {
 
     /// Whether all corners of all surfaces are points.
     fn is_indexed(&self) -> bool {
-        let mut ignored = Vec::new();
-        let mut is_indexed =
-            |s: &Surface| vertices_are_finite(s, "", &mut ignored) && indices_in_range(s, "", &mut ignored);
-        self.surfaces.iter().all(&mut is_indexed)
+        self.surfaces.iter().all(shapes::is_indexed)
     }
 
     /// All findings that may be errors, and those that come with them.
@@ -93,12 +93,13 @@ fn geometry_findings(scene: &Scene) -> Vec<Finding> {
         found.push(Finding::error("no-faces", "", message));
     }
     let mut sound = true;
-    for (surface, name) in scene.surfaces.iter().map(|surface| (surface, named(surface))) {
-        empty_surface(surface, &name, &mut found);
-        sound &= shape_findings(surface, &name, &mut found);
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        empty_surface(index, surface, &mut found);
+        sound &= shapes::check(&Subject { surface, index: Some(index), name: named(surface) }, &mut found);
     }
-    for obstruction in &scene.obstructions {
-        sound &= shape_findings(obstruction, &format!("obstruction '{}'", obstruction.name), &mut found);
+    for surface in &scene.obstructions {
+        let name = format!("obstruction '{}'", surface.name);
+        sound &= shapes::check(&Subject { surface, index: None, name }, &mut found);
     }
     repeated_names(scene, &mut found);
     combinations(scene, &mut found);
@@ -109,26 +110,19 @@ fn geometry_findings(scene: &Scene) -> Vec<Finding> {
     found
 }
 
-/// The rules about one surface by itself, called `name` in messages; whether others can look at its corners.
-fn shape_findings(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
-    let indexed = vertices_are_finite(surface, name, found) & indices_in_range(surface, name, found);
-    if indexed {
-        face_shapes(surface, name, found);
-        unused_vertices(surface, name, found);
-    }
-    indexed
-}
-
 fn optics_findings(scene: &Scene) -> Vec<Finding> {
     let mut found = Vec::new();
     if scene.bands.is_empty() {
         let message = "the scene has no bands; name at least one, such as R, G and B";
         found.push(Finding::error("no-bands", "", message));
     }
-    for surface in &scene.surfaces {
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        let before = found.len();
         spectrum_lengths(scene, surface, &mut found);
         reflectances(scene, surface, &mut found);
         emissions(scene, surface, &mut found);
+        lamp_without_area(surface, &mut found);
+        found[before..].iter_mut().for_each(|finding| finding.place.surface = Some(index as u32));
     }
     found
 }
@@ -136,7 +130,10 @@ fn optics_findings(scene: &Scene) -> Vec<Finding> {
 fn light_findings(scene: &Scene) -> Vec<Finding> {
     let mut found = Vec::new();
     for light in &scene.lights {
+        let before = found.len();
         light_rules(scene, light, &mut found);
+        let position = light.position().filter(|position| position.is_finite());
+        found[before..].iter_mut().for_each(|finding| finding.place.points.extend(position));
     }
     for camera in &scene.cameras {
         camera_rules(camera, &mut found);
@@ -152,102 +149,66 @@ fn named(surface: &Surface) -> String {
     format!("surface '{}'", surface.name)
 }
 
-fn empty_surface(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
+fn empty_surface(index: usize, surface: &Surface, found: &mut Vec<Finding>) {
     if surface.faces.is_empty() {
         let message = "has no faces and takes no part; remove it";
-        found.push(Finding::warning("empty-surface", name, message));
+        found.push(Finding::warning("empty-surface", named(surface), message).on(index, []));
     }
 }
 
-fn vertices_are_finite(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
-    let Some(bad) = surface.vertices.iter().position(|vertex| !vertex.is_finite()) else {
-        return true;
-    };
-    let v = surface.vertices[bad];
-    found.push(Finding::error(
-        "non-finite-vertex",
-        format!("{name}, vertex {bad}"),
-        format!("its position ({}, {}, {}) is not finite; repair the mesh", v.x, v.y, v.z),
-    ));
-    false
+/// A surface or an obstruction that rules are about.
+struct Subject<'a> {
+    surface: &'a Surface,
+    /// Among the surfaces of the scene; obstructions have none.
+    index: Option<usize>,
+    /// What it is called in messages.
+    name: String,
 }
 
-fn indices_in_range(surface: &Surface, name: &str, found: &mut Vec<Finding>) -> bool {
-    let count = surface.vertices.len();
-    let out_of_range = |face: &[u32; 4]| face.iter().any(|&vertex| vertex as usize >= count);
-    let Some(bad) = surface.faces.iter().position(out_of_range) else { return true };
-    found.push(Finding::error(
-        "index-out-of-range",
-        format!("{name}, face {bad}"),
-        format!("it refers to vertices {:?} of {count}; indices count from 0", surface.faces[bad]),
-    ));
-    false
+impl Subject<'_> {
+    /// The finding with its place: the faces of a surface, or their outlines.
+    fn place(&self, finding: Finding, tally: &Tally) -> Finding {
+        match self.index {
+            Some(index) => finding.on(index, tally.faces.iter().copied()),
+            None => {
+                let outline = |&f: &u32| outline(self.surface.corners(self.surface.faces[f as usize]));
+                finding.along(tally.faces.iter().flat_map(outline))
+            }
+        }
+    }
 }
 
-/// The first face of a kind and how many more there are.
+/// The edges of a face; those without length are left out.
+fn outline(corners: [DVec3; 4]) -> impl Iterator<Item = [DVec3; 2]> {
+    (0..4).map(move |i| [corners[i], corners[(i + 1) % 4]]).filter(|[a, b]| a != b)
+}
+
+/// Faces of one kind: as many as are kept, how many there are, and a measure of the first.
 #[derive(Default)]
 struct Tally {
-    first: Option<(usize, f64)>,
+    faces: Vec<u32>,
     count: usize,
+    measure: f64,
 }
 
 impl Tally {
-    fn add(&mut self, face: usize, measure: f64) {
-        self.first.get_or_insert((face, measure));
+    const NONE: Self = Self { faces: Vec::new(), count: 0, measure: 0.0 };
+
+    fn add(&mut self, face: u32, measure: f64) {
+        if self.count == 0 {
+            self.measure = measure;
+        }
+        if self.faces.len() < MOST_PLACES {
+            self.faces.push(face);
+        }
         self.count += 1;
     }
 
-    fn and_more(&self) -> String {
-        match self.count {
-            0 | 1 => String::new(),
-            n => format!(" (and {} more)", n - 1),
-        }
-    }
-}
-
-fn face_shapes(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
-    let [mut flat, mut bent, mut folded] = [const { Tally { first: None, count: 0 } }; 3];
-    for (i, &face) in surface.faces.iter().enumerate() {
-        match quad::classify(surface.corners(face)) {
-            Shape::Sound => {}
-            Shape::ZeroArea => flat.add(i, 0.0),
-            Shape::NonPlanar(off) => bent.add(i, off),
-            Shape::NotConvex => folded.add(i, 0.0),
-        }
-    }
-    if let Some((i, off)) = bent.first {
-        found.push(Finding::error(
-            "non-planar-face",
-            format!("{name}, face {i}{}", bent.and_more()),
-            format!("the corners of the quad lie {off:.3e} m off their plane; split it in triangles"),
-        ));
-    }
-    if let Some((i, _)) = folded.first {
-        found.push(Finding::error(
-            "non-convex-face",
-            format!("{name}, face {i}{}", folded.and_more()),
-            "the quad has an inward corner or crosses itself; order its corners around its edge or split it in triangles",
-        ));
-    }
-    if let Some((i, _)) = flat.first {
-        let count = flat.count;
-        found.push(Finding::warning(
-            "zero-area-faces",
-            name,
-            format!("{count} of {} faces have no area, face {i} first; they are left out", surface.faces.len()),
-        ));
-    }
-}
-
-fn unused_vertices(surface: &Surface, name: &str, found: &mut Vec<Finding>) {
-    let mut used = vec![false; surface.vertices.len()];
-    for &vertex in surface.faces.iter().flatten() {
-        used[vertex as usize] = true;
-    }
-    let unused = used.iter().filter(|&&used| !used).count();
-    if unused > 0 && !surface.faces.is_empty() {
-        let message = format!("{unused} of {} vertices belong to no face", used.len());
-        found.push(Finding::note("unused-vertices", name, message));
+    /// A surface, the first face and how many more there are; nothing where there is none.
+    fn element(&self, name: &str) -> Option<String> {
+        let first = self.faces.first()?;
+        let more = if self.count > 1 { format!(" (and {} more)", self.count - 1) } else { String::new() };
+        Some(format!("{name}, face {first}{more}"))
     }
 }
 
@@ -256,10 +217,10 @@ fn repeated_names(scene: &Scene, found: &mut Vec<Finding>) {
     for surface in &scene.surfaces {
         *seen.entry(surface.name.as_str()).or_insert(0) += 1;
     }
-    for surface in &scene.surfaces {
+    for (index, surface) in scene.surfaces.iter().enumerate() {
         if let Some(count @ 2..) = seen.remove(surface.name.as_str()) {
-            let message = format!("{count} surfaces share this name; results by name will be ambiguous");
-            found.push(Finding::warning("repeated-name", named(surface), message));
+            let message = format!("{count} surfaces share this name; results by name will be ambiguous; rename them");
+            found.push(Finding::warning("repeated-name", named(surface), message).on(index, []));
         }
     }
 }
@@ -282,12 +243,24 @@ fn combinations(scene: &Scene, found: &mut Vec<Finding>) {
 fn plausible_size(scene: &Scene, found: &mut Vec<Finding>) {
     let Some((low, high)) = scene.bounds() else { return };
     let diagonal = (high - low).length();
-    if !PLAUSIBLE_SIZE.contains(&diagonal) && scene.face_count() > 0 {
-        let message = format!(
-            "the scene measures {diagonal:.3e} m across; if that is a mistake, give the unit of the file, as in --unit mm"
-        );
-        found.push(Finding::warning("implausible-size", "", message));
+    if PLAUSIBLE_SIZE.contains(&diagonal) || scene.face_count() == 0 {
+        return;
     }
+    let remedy = match usual_unit(diagonal) {
+        Some((unit, metres)) => format!(
+            "if a room is meant, give the unit of the file: --unit {unit} would make it {:.3} m across",
+            diagonal * metres
+        ),
+        None => "if that is a mistake, give the unit of the file, as in --unit mm".into(),
+    };
+    let message = format!("the scene measures {diagonal:.3e} m across; {remedy}");
+    found.push(Finding::warning("implausible-size", "", message).at([low, high]));
+}
+
+/// The unit that would make a length in metres that of a room, and its metres.
+fn usual_unit(diagonal: f64) -> Option<(&'static str, f64)> {
+    let room = 2.0..=50.0;
+    [("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("km", 1e3)].into_iter().find(|(_, m)| room.contains(&(diagonal * m)))
 }
 
 fn spectrum_lengths(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
@@ -316,7 +289,8 @@ fn reflectances(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
         found.push(Finding::error("reflectance-range", named(surface), message));
     } else if let Some(i) = spectrum.iter().position(|&rho| rho > HIGH_REFLECTANCE) {
         let message = format!(
-            "its reflectance in band {} is {}; real paints stay below 0.9 and such values take long to solve",
+            "its reflectance in band {} is {}; real paints stay below 0.9 and such values take long to solve; \
+             lower it unless it was measured",
             band(scene, i),
             spectrum[i]
         );
@@ -330,6 +304,16 @@ fn emissions(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
         let message =
             format!("its emission in band {} is {}; it must be finite and not negative", band(scene, i), spectrum[i]);
         found.push(Finding::error("emission-range", named(surface), message));
+    }
+}
+
+fn lamp_without_area(surface: &Surface, found: &mut Vec<Finding>) {
+    let has_area = |&face: &Face| quad::classify(surface.corners(face)) != Shape::ZeroArea;
+    let is_drawn = !surface.faces.is_empty() && shapes::is_indexed(surface);
+    if surface.material.emits() && is_drawn && !surface.faces.iter().any(has_area) {
+        let message = "it emits, but none of its faces has an area, so that it sends nothing; give it an extent, or make \
+                       it a point light";
+        found.push(Finding::warning("lamp-without-area", named(surface), message));
     }
 }
 

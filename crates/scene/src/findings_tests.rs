@@ -43,6 +43,7 @@ fn sound_scene_has_no_findings() {
 fn non_finite_vertices_are_named() {
     let found = with_vertices(&[[0., 0., 0.], [1., f64::NAN, 0.], [1., 1., 0.], [0., 1., 0.]]);
     assert_eq!((found.severity, found.code), (Severity::Error, "non-finite-vertex"));
+    assert_eq!((found.place.surface, &found.place.faces[..]), (Some(0), &[0][..]));
     assert_eq!(found.element, "surface 'square', vertex 1");
 }
 
@@ -281,8 +282,8 @@ fn neighbours_wind_alike() {
     mixed.faces[1].reverse();
     let found = only(&scene(vec![mixed.clone()]));
     assert_eq!((found.severity, found.code), (Severity::Warning, "mixed-winding"));
-    // Each of the four edges of the turned face, which comes before three of its neighbours.
-    assert_eq!(found.element, "surface 'square', face 2 (and 3 more)");
+    assert_eq!(found.element, "surface 'square', face 1");
+    assert_eq!((found.place.surface, &found.place.faces[..], found.place.edges.len()), (Some(0), &[1][..], 4));
 
     // Whoever sees both sides of a face need not care.
     mixed.material.two_sided = true;
@@ -301,8 +302,111 @@ fn closed_spaces_have_no_open_edges() {
     assert_eq!((found.len(), found[0].severity, found[0].code), (1, Severity::Note, "open-edges"));
     assert!(found[0].message.starts_with("4 edges belong to one face only, first the one at ("), "{}", found[0]);
     assert!(found[0].message.contains("1.0000);"), "the lid is at z = 1: {}", found[0]);
+    assert_eq!((found[0].element.as_str(), found[0].place.edges.len()), ("surface 'square', face 1", 4));
+    assert!(found[0].place.edges.iter().flatten().all(|end| end.z == 1.0));
     scene.hints.enclosure = true;
     assert_eq!(only(&scene).code, "open-edges");
+}
+
+#[test]
+fn holes_are_told_apart() {
+    let mut open = room();
+    open.faces.truncate(4);
+    let found = scene(vec![open]).enclosure_findings();
+    let rims: Vec<_> = found.iter().map(|found| (found.code, found.place.edges.len())).collect();
+    assert_eq!(rims, [("open-edges", 4), ("open-edges", 4)]);
+}
+
+#[test]
+fn the_larger_part_of_a_shell_says_which_way_it_winds() {
+    let mut mixed = cube();
+    [0, 1, 2, 3].into_iter().for_each(|f: usize| mixed.faces[f].reverse());
+    let found = only(&scene(vec![mixed]));
+    assert_eq!(
+        (found.element.as_str(), &found.place.faces[..]),
+        ("surface 'square', face 4 (and 1 more)", &[4, 5][..])
+    );
+}
+
+#[test]
+fn slivers_are_noted() {
+    let needle = |width: f64| with_vertices(&[[0., 0., 0.], [2., 0., 0.], [2., width, 0.], [0., width, 0.]]);
+    let found = needle(5e-4);
+    assert_eq!((found.severity, found.code), (Severity::Note, "sliver-faces"));
+    assert_eq!((found.place.surface, &found.place.faces[..]), (Some(0), &[0][..]));
+    assert!(found.message.starts_with("it is 5.0e-4 m wide"), "{found}");
+    let strip = surface(&[[0., 0., 0.], [2., 0., 0.], [2., 3e-3, 0.], [0., 3e-3, 0.]], &[[0, 1, 2, 3], [0, 1, 2, 2]]);
+    assert!(scene(vec![strip]).findings().iter().all(|found| found.code != "sliver-faces"));
+}
+
+#[test]
+fn a_wall_that_floats_leaves_a_gap() {
+    let wall = |height: f64, x: f64| {
+        let corners = [[x, 0., height], [x, 1., height], [x, 1., 1.], [x, 0., 1.]];
+        let mut wall = surface(&corners, &[[0, 1, 2, 3]]);
+        wall.name = "wall".into();
+        scene(vec![square(), wall])
+    };
+    for x in [0.0, 0.4, 1.001] {
+        let found = only(&wall(1e-3, x));
+        assert_eq!((found.severity, found.code), (Severity::Warning, "narrow-gap"), "{x}");
+        assert!(found.element.starts_with("surface '") && found.message.contains("light leaks in between"), "{found}");
+        assert_eq!(found.place.points.len(), 2);
+        assert!(found.place.points[0].distance(found.place.points[1]) < 2e-3);
+    }
+    // Those that touch, and those that are well apart.
+    for (height, x) in [(0.0, 0.0), (0.0, 0.4), (0.1, 0.0)] {
+        assert_eq!(wall(height, x).findings(), vec![], "{height} {x}");
+    }
+}
+
+#[test]
+fn a_slit_between_two_halves_is_a_gap_and_a_panel_on_a_wall_is_none() {
+    let beside = |x: f64, z: f64, scale: f64| {
+        let mut other = square();
+        other.name = "other".into();
+        other.vertices.iter_mut().for_each(|vertex| *vertex = scale * *vertex + DVec3::new(x, 0.25 * (1.0 - scale), z));
+        scene(vec![square(), other])
+    };
+    let found = only(&beside(1.001, 0.0, 1.0));
+    assert_eq!((found.code, found.place.edges.len()), ("narrow-gap", 2));
+    assert_eq!(beside(0.25, 0.001, 0.5).findings(), vec![]);
+}
+
+#[test]
+fn a_body_that_was_set_down_a_little_above_the_floor_is_no_gap() {
+    let mut body = cube();
+    body.name = "body".into();
+    body.faces.remove(0);
+    body.vertices.iter_mut().for_each(|vertex| *vertex = 0.2 * *vertex + DVec3::new(0.4, 0.4, 1e-3));
+    assert_eq!(scene(vec![square(), body]).findings(), vec![]);
+
+    // Walls and a floor that end at one another are another matter.
+    let (mut walls, mut floor) = (cube(), square());
+    walls.faces.remove(0);
+    walls.vertices.iter_mut().for_each(|vertex| vertex.z += 1e-3);
+    floor.name = "floor".into();
+    assert_eq!(only(&scene(vec![walls, floor])).code, "narrow-gap");
+}
+
+#[test]
+fn lamps_have_an_area() {
+    let mut thread = square();
+    thread.faces = vec![[0, 1, 1, 0]];
+    let codes: Vec<_> = scene(vec![square(), thread]).findings().into_iter().map(|found| found.code).collect();
+    assert!(codes.contains(&"lamp-without-area"), "{codes:?}");
+}
+
+#[test]
+fn sizes_of_rooms_in_other_units_are_recognised() {
+    let sized = |metres: f64| {
+        let mut odd = square();
+        odd.vertices.iter_mut().for_each(|vertex| *vertex *= metres);
+        only(&scene(vec![odd])).message
+    };
+    // A square of 4 km is 5.657 km across, one of 4 mm 5.657 mm.
+    assert!(sized(4000.0).contains("--unit mm would make it 5.657 m across"), "{}", sized(4000.0));
+    assert!(sized(0.004).contains("--unit km would make it 5.657 m across"), "{}", sized(0.004));
 }
 
 #[test]
@@ -324,8 +428,10 @@ fn crowded_edges_are_noted() {
     walled.faces.push([0, 1, 7, 6]);
     let found = scene(vec![walled]).enclosure_findings();
     // The other two edges of the wall end in the middle of two sides.
-    assert_eq!([found[0].code, found[1].code], ["open-edges", "non-manifold-edges"]);
-    assert!(found[1].message.starts_with("more than two faces meet at 2 edges"), "{}", found[1]);
+    let codes: Vec<_> = found.iter().map(|found| found.code).collect();
+    assert_eq!(codes, ["open-edges", "open-edges", "non-manifold-edges"]);
+    assert!(found[2].message.starts_with("more than two faces meet at 2 edges"), "{}", found[2]);
+    assert_eq!(found[2].place.edges.len(), 2);
 }
 
 #[test]
@@ -340,7 +446,10 @@ fn overlaps_in_one_plane_are_found() {
     let found = only(&placed(0.5, 0.25, 0.0, &[[0, 1, 2, 3]]));
     assert_eq!((found.severity, found.code), (Severity::Warning, "overlapping-faces"));
     assert_eq!(found.element, "surface 'other', face 0");
-    assert!(found.message.contains("'square'"));
+    assert!(found.message.contains("face 0 of 'square'"));
+    assert_eq!((found.place.surface, &found.place.faces[..]), (Some(1), &[0][..]));
+    let outline = found.place.edges.iter().map(|[a, b]| a.distance(*b)).sum::<f64>();
+    assert!((outline - 2.0 * (0.5 + 0.75)).abs() < 1e-9, "the outline of what is covered twice: {outline}");
     // Neighbours, faces above one another, and what stands on a floor.
     for (x, z, face) in [(1.0, 0.0, [0, 1, 2, 3]), (0.5, 1e-3, [0, 1, 2, 3]), (0.5, 0.0, [3, 2, 1, 0])] {
         assert_eq!(placed(x, 0.0, z, &[face]).findings(), vec![]);

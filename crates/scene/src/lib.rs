@@ -8,4 +8,4 @@ pub mod model;
 mod quad;
 
 pub use formats::{LoadOptions, Unit, load};
-pub use model::{Camera, Face, Finding, Hints, Light, Material, Scene, SceneError, Severity, Surface};
+pub use model::{Camera, Face, Finding, Hints, Light, Material, Place, Scene, SceneError, Severity, Surface};

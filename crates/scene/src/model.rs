@@ -138,6 +138,22 @@ pub enum Severity {
     Error,
 }
 
+/// Where in a scene something was noticed. What is not known, or does not apply, is empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Index of the surface.
+    pub surface: Option<u32>,
+    /// Faces of that surface; where there are none, the whole of it is meant.
+    pub faces: Vec<u32>,
+    /// Stretches of edges, metres.
+    pub edges: Vec<[DVec3; 2]>,
+    /// Points, metres.
+    pub points: Vec<DVec3>,
+}
+
+/// So many faces, edges and points of a finding are kept; its message says how many there are.
+pub const MOST_PLACES: usize = 10_000;
+
 /// One thing noticed about a scene: what, where and what to do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
@@ -149,6 +165,8 @@ pub struct Finding {
     pub element: String,
     /// One sentence that says what is wrong and what to do.
     pub message: String,
+    /// Where it is, for those who draw it.
+    pub place: Place,
 }
 
 /// A scene that cannot be loaded or lit: one sentence with file, element and remedy.
@@ -187,7 +205,26 @@ impl Finding {
     }
 
     fn new(severity: Severity, code: &'static str, element: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { severity, code, element: element.into(), message: message.into() }
+        Self { severity, code, element: element.into(), message: message.into(), place: Place::default() }
+    }
+
+    /// The same, at some faces of a surface; at all of it where there are none.
+    pub fn on(mut self, surface: usize, faces: impl IntoIterator<Item = u32>) -> Self {
+        self.place.surface = Some(surface as u32);
+        self.place.faces = faces.into_iter().take(MOST_PLACES).collect();
+        self
+    }
+
+    /// The same, along some edges.
+    pub fn along(mut self, edges: impl IntoIterator<Item = [DVec3; 2]>) -> Self {
+        self.place.edges = edges.into_iter().take(MOST_PLACES).collect();
+        self
+    }
+
+    /// The same, at some points.
+    pub fn at(mut self, points: impl IntoIterator<Item = DVec3>) -> Self {
+        self.place.points = points.into_iter().take(MOST_PLACES).collect();
+        self
     }
 }
 
@@ -248,6 +285,14 @@ impl Light {
     pub fn name(&self) -> &str {
         match self {
             Self::Point { name, .. } | Self::Spot { name, .. } | Self::Directional { name, .. } => name,
+        }
+    }
+
+    /// Where it is, metres; directional light is nowhere.
+    pub fn position(&self) -> Option<DVec3> {
+        match self {
+            Self::Point { position, .. } | Self::Spot { position, .. } => Some(*position),
+            Self::Directional { .. } => None,
         }
     }
 

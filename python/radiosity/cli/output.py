@@ -83,9 +83,10 @@ def _plain(value: Any) -> Any:
     return str(value) if isinstance(value, Path) else value
 
 
-def findings_out(findings: Sequence[Finding]) -> list[dict[str, str]]:
-    """Findings for JSON."""
-    return [asdict(finding) for finding in findings]
+def findings_out(findings: Sequence[Finding]) -> list[dict[str, Any]]:
+    """Findings for JSON, with their places as lists."""
+    arrays = ("faces", "edges", "points")
+    return [asdict(finding) | {name: getattr(finding, name).tolist() for name in arrays} for finding in findings]
 
 
 def show_findings(findings: Sequence[Finding]) -> None:

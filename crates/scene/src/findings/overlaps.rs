@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
-use super::Tally;
-use crate::model::{Finding, Scene};
+use super::{Tally, named, outline};
+use crate::model::{Finding, MOST_PLACES, Scene};
 use crate::quad::{self, Shape};
 
 /// Faces are in one plane if they are no further apart than this, relative to the size of the scene.
@@ -20,32 +20,34 @@ const MOST_COMPARISONS: usize = 20_000_000;
 /// Faces with the same corners in any order, counted per pair of surfaces and by whether they look the same way.
 pub(super) fn duplicate_faces(scene: &Scene, found: &mut Vec<Finding>) {
     let mut first_with = HashMap::new();
-    let mut pairs: BTreeMap<(usize, usize, bool), Tally> = BTreeMap::new();
+    let mut pairs: BTreeMap<(usize, usize, bool), (u32, Tally)> = BTreeMap::new();
     for (s, surface) in scene.surfaces.iter().enumerate() {
-        for (f, &face) in surface.faces.iter().enumerate() {
+        for (f, &face) in (0u32..).zip(&surface.faces) {
             let corners = surface.corners(face);
             let normal = vector_area(&corners);
             let (t, g, other) = *first_with.entry(corner_key(corners)).or_insert((s, f, normal));
             if (t, g) != (s, f) {
-                pairs.entry((t, s, normal.dot(other) < 0.0)).or_default().add(f, 0.0);
+                pairs.entry((t, s, normal.dot(other) < 0.0)).or_insert((g, Tally::NONE)).1.add(f, 0.0);
             }
         }
     }
-    for ((s, t, is_opposite), tally) in pairs {
-        let (other, face) = (&scene.surfaces[s].name, tally.first.map_or(0, |first| first.0));
-        let element = format!("surface '{}', face {face}{}", scene.surfaces[t].name, tally.and_more());
-        found.push(if is_opposite {
+    for ((s, t, is_opposite), (g, tally)) in pairs {
+        let (other, surface) = (&scene.surfaces[s].name, &scene.surfaces[t]);
+        let element = tally.element(&named(surface)).unwrap_or_default();
+        let finding = if is_opposite {
             let message = format!(
-                "it coincides with a face of '{other}' that looks the other way, and which of them is hit first is \
+                "it coincides with face {g} of '{other}', which looks the other way, and which of them is hit first is \
                  undefined; keep one and make it two-sided, or move them apart"
             );
             Finding::warning("coincident-opposite", element, message)
         } else {
             let message = format!(
-                "it coincides with a face of '{other}'; remove one, or light will leak or be lost between them"
+                "it coincides with face {g} of '{other}'; remove one, or light will leak or be lost between them"
             );
             Finding::warning("duplicate-faces", element, message)
-        });
+        };
+        let edges = tally.faces.iter().flat_map(|&f| outline(surface.corners(surface.faces[f as usize])));
+        found.push(finding.on(t, tally.faces.iter().copied()).along(edges));
     }
 }
 
@@ -77,20 +79,55 @@ struct Placed {
 pub(super) fn overlapping_faces(scene: &Scene, found: &mut Vec<Finding>) {
     let size = scene.bounds().map_or(0.0, |(low, high)| (high - low).length());
     let faces = placed(scene);
-    let mut pairs: BTreeMap<(usize, usize), Tally> = BTreeMap::new();
+    let mut pairs: BTreeMap<(usize, usize), Overlaps> = BTreeMap::new();
     for_each_close_pair(&faces, ROUNDING * size, |a, b| {
         let (first, second) = if (a.surface, a.face) < (b.surface, b.face) { (a, b) } else { (b, a) };
-        if overlap(a, b) && corner_key(a.corners) != corner_key(b.corners) {
-            pairs.entry((first.surface, second.surface)).or_default().add(second.face, 0.0);
+        let common = common_part(a, b);
+        if vector_area_of(&common) > LEAST_OVERLAP * a.area.min(b.area)
+            && corner_key(a.corners) != corner_key(b.corners)
+        {
+            pairs.entry((first.surface, second.surface)).or_default().add(first, second, common);
         }
     });
-    for ((s, t), tally) in pairs {
-        let (other, face) = (&scene.surfaces[s].name, tally.first.map_or(0, |first| first.0));
-        found.push(Finding::warning(
-            "overlapping-faces",
-            format!("surface '{}', face {face}{}", scene.surfaces[t].name, tally.and_more()),
-            format!("it lies in the plane of a face of '{other}' and covers a part of it; cut one where the other is"),
-        ));
+    for ((s, t), overlaps) in pairs {
+        let (other, face) = (&scene.surfaces[s].name, overlaps.first);
+        let element = overlaps.tally.element(&named(&scene.surfaces[t])).unwrap_or_default();
+        let message = format!(
+            "it lies in the plane of face {face} of '{other}' and covers a part of it; cut one where the other is, or \
+             lift it by a millimetre"
+        );
+        let edges = overlaps.outlines.iter().flat_map(|polygon| {
+            polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(&a, &b)| [a, b]).collect::<Vec<_>>()
+        });
+        found.push(
+            Finding::warning("overlapping-faces", element, message)
+                .on(t, overlaps.tally.faces.iter().copied())
+                .along(edges),
+        );
+    }
+}
+
+/// The faces of one surface that cover parts of another.
+#[derive(Default)]
+struct Overlaps {
+    tally: Tally,
+    /// The first face that is covered.
+    first: u32,
+    outlines: Vec<Vec<DVec3>>,
+}
+
+impl Overlaps {
+    fn add(&mut self, covered: &Placed, face: &Placed, common: Vec<DVec3>) {
+        if self.tally.count == 0 {
+            self.first = covered.face as u32;
+        }
+        // A face may cover several.
+        if self.tally.faces.last() != Some(&(face.face as u32)) {
+            self.tally.add(face.face as u32, 0.0);
+        }
+        if self.outlines.len() < MOST_PLACES {
+            self.outlines.push(common);
+        }
     }
 }
 
@@ -146,8 +183,8 @@ fn is_coplanar(a: &Placed, b: &Placed, tolerance: f64) -> bool {
     b.corners.iter().all(|&p| near(a, p)) && a.corners.iter().all(|&p| near(b, p))
 }
 
-/// Whether two faces of one plane have more in common than an edge.
-fn overlap(a: &Placed, b: &Placed) -> bool {
+/// What two faces of one plane have in common.
+fn common_part(a: &Placed, b: &Placed) -> Vec<DVec3> {
     let mut rest = a.corners.to_vec();
     for i in 0..4 {
         let (from, to) = (b.corners[i], b.corners[(i + 1) % 4]);
@@ -155,7 +192,11 @@ fn overlap(a: &Placed, b: &Placed) -> bool {
             rest = within(&rest, from, b.normal.cross(to - from));
         }
     }
-    rest.len() > 2 && vector_area(&rest).length() > LEAST_OVERLAP * a.area.min(b.area)
+    rest
+}
+
+fn vector_area_of(polygon: &[DVec3]) -> f64 {
+    if polygon.len() > 2 { vector_area(polygon).length() } else { 0.0 }
 }
 
 /// The part of a convex polygon on the side of a line that `inward` points to.

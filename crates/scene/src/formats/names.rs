@@ -87,7 +87,11 @@ impl Entry {
         };
         let plural = if self.names.len() == 1 { "" } else { "s" };
         let element = format!("{}{plural} {}{more}", self.kind, listed.join(", "));
-        Finding { severity: self.severity, code: self.code, element, message: self.message.into() }
+        match self.severity {
+            Severity::Note => Finding::note(self.code, element, self.message),
+            Severity::Warning => Finding::warning(self.code, element, self.message),
+            Severity::Error => Finding::error(self.code, element, self.message),
+        }
     }
 }
 
