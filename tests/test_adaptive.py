@@ -13,7 +13,9 @@ import radiosity
 from radiosity import Scene, Solution, Surface
 
 
-def rectangle(corner: list[float], a: list[float], b: list[float], rho: float, name: str, exitance: float = 0.0) -> Surface:
+def rectangle(
+    corner: list[float], a: list[float], b: list[float], rho: float, name: str, exitance: float = 0.0
+) -> Surface:
     o, u, v = np.array(corner), np.array(a), np.array(b)
     return Surface([o, o + u, o + u + v, o + v], [[0, 1, 2, 3]], rho, exitance, name)
 
@@ -162,4 +164,3 @@ def test_files_keep_the_certificate(solution: Solution, tmp_path: Path) -> None:
         report = json.loads(str(arrays["report"]))
     assert report["causes"]["mesh"] == solution.report.causes["mesh"]
     assert report["interval"][1] == report["estimated_error"]
-

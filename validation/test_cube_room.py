@@ -4,9 +4,9 @@ All walls reflect rho. So a W that lands somewhere lands rho as often again, and
 Phi / (S (1 - rho)), exactly.
 
 Near an edge half of what a point sees, cosine-weighted, is the other wall near the edge, and near a corner three
-quarters are the other two walls near the corner. All walls are alike there, so irradiance tends to H = far + near rho H,
-where "far" is what the rest of the view brings: the light, and walls farther away. That is a smooth integral over the
-directions that lead away from the edge or corner, taken here by ten thousand rays on the field.
+quarters are the other two walls near the corner. All walls are alike there, so irradiance tends to
+H = far + near rho H, where "far" is what the rest of the view brings: the light, and walls farther away. That is a
+smooth integral over the directions that lead away from the edge or corner, taken here by thousands of rays.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ def cube() -> radiosity.Scene:
     surfaces = []
     for name, *shape in faces:
         corner, u, v = SIDE * np.array(shape, dtype=float)
-        surfaces.append(radiosity.Surface([corner, corner + u, corner + u + v, corner + v], [[0, 1, 2, 3]], RHO, 0, name))
+        surfaces.append(
+            radiosity.Surface([corner, corner + u, corner + u + v, corner + v], [[0, 1, 2, 3]], RHO, 0, name)
+        )
     light = radiosity.PointLight([SIDE / 2] * 3, POWER / (4 * np.pi))
     return radiosity.Scene(surfaces, lights=[light], name="cube")
 
@@ -64,8 +66,10 @@ def far(solution: radiosity.Solution, point: np.ndarray, away: tuple[bool, bool]
 
 
 def at_like_places(solution: radiosity.Solution, middles: int) -> tuple[float, float]:
-    """Mean irradiance at all corners of faces, or all middles of edges, which are alike: of the field, and of the
-    patches there."""
+    """Mean irradiance at all corners of faces, or all middles of edges, which are alike.
+
+    Of the field, and of the patches there.
+    """
     patches = solution.patches
     off = np.abs(patches.polygons - SIDE / 2) / (SIDE / 2)
     at = (np.isclose(off, 1).sum(axis=2) == 3 - middles) & (np.isclose(off, 0).sum(axis=2) == middles)

@@ -136,7 +136,6 @@ class _Search:
                 if solution is None:
                     raise
                 return self._told(solution, "memory")
-            step = self.steps[-1]
             if solution.report.estimated_error <= self.accuracy:
                 return self._told(solution, "accuracy")
             limit, likely = full or self._limit(len(patches)), solution.report.causes["mesh"]
@@ -175,7 +174,7 @@ class _Search:
         if math.isinf(self.limits.seconds) or not self.effort:
             return other
         left = max(self.limits.seconds - (time.monotonic() - self.begin), 1e-3)
-        return max(other, min((self.effort * patches / left) ** (1 / COST), 0.5))
+        return max(other, min(float((self.effort * patches / left) ** (1 / COST)), 0.5))
 
     def _limit(self, patches: int) -> str | None:
         """What forbids another mesh."""
@@ -185,9 +184,7 @@ class _Search:
             return "max_patches"
         return "patch_size" if len(self.steps) >= MOST_ROUNDS else None
 
-    def _marks(
-        self, solution: Solution, leaf: Leaves, importance: Floats | None
-    ) -> tuple[npt.NDArray[np.uint8], bool]:
+    def _marks(self, solution: Solution, leaf: Leaves, importance: Floats | None) -> tuple[npt.NDArray[np.uint8], bool]:
         """How often to cut each leaf: as few as bring the mesh to its share, those with most error first.
 
         Also whether it was plain which these are.
@@ -259,7 +256,7 @@ def focus_on(scene: Scene, name: str) -> Callable[[Solution | None, Patches], Fl
         apart = 10 * float(np.ptp(of.centre, axis=0).max())
         key = [np.column_stack([p.centre, apart * p.surface]) for p in (of, patches)]
         nearest = cKDTree(key[0]).query(key[1])[1]
-        return np.maximum(weight, worth[nearest] ** 2)
+        return np.asarray(np.maximum(weight, worth[nearest] ** 2))
 
     return weigh
 

@@ -25,6 +25,9 @@ _STOPS = {
 }
 
 
+_NOT_COUNTED = " of the light within patches, which does not count for their means"
+
+
 @dataclass(frozen=True)
 class Report:
     """Energy, closure, error and effort of a solve; prints as a table.
@@ -115,8 +118,7 @@ class Report:
             ("estimated error", f"{self.estimated_error:.3%} of the mean irradiance (asked for {self.accuracy:.3%})"),
             ("  by sampling", f"{self.sampling_error:.3%}"),
             ("  by patch size", f"{self.discretisation_error:.3%}"),
-            ("  by the mesh", f"{self.mesh_error:.3%}" + ("" if self.of_field else " of the light within patches, which "
-                              "does not count for their means")),
+            ("  by the mesh", f"{self.mesh_error:.3%}" + ("" if self.of_field else _NOT_COUNTED)),
             ("stopped because", _LIMITS[self.limited_by]),
             ("emitted", powers(self.emitted)),
             ("arrived from lights", powers(self.from_lights)),

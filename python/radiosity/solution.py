@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from radiosity import _native
-from radiosity.checks import memory_or_most, threads_or_all, whole
 from radiosity.certificate import Certificate
+from radiosity.checks import memory_or_most, threads_or_all, whole
 from radiosity.choice import choose
 from radiosity.factors import FormFactors
 from radiosity.patches import Patches
@@ -256,8 +256,8 @@ def solve(
     Args:
         scene: a scene, or patches. A scene is cut into patches by the engine: coarsely where light is smooth, finely
             where it is not, until the field that is linear over them is as accurate as asked. Patches are solved on as
-            they are, and what is as accurate as asked are their means. (With a transport or solver that takes no mesh of
-            the engine's own, or of very many faces, a scene is cut evenly into about 5,000 patches.)
+            they are, and what is as accurate as asked are their means. (With a transport or solver that takes no mesh
+            of the engine's own, or of very many faces, a scene is cut evenly into about 5,000 patches.)
         accuracy: wanted error of irradiance, root mean square over area and bands, relative to its mean. The engine
             works until its own estimate of the error is below; ``report.reached`` says whether it got there.
         transport: what the equations are solved on. "sampled": samples of what every patch sees, which the answer is
@@ -283,8 +283,8 @@ def solve(
         max_rays: most rays per patch.
         memory_limit: bytes that samples and operator may take (default: four fifths of what is available). With
             ``transport``, what solving takes beside the form factors.
-        time_limit: seconds after which "shooting" begins no further round, and after which a mesh of the engine's own is
-            neither refined nor sampled further; it then depends on the machine what comes out.
+        time_limit: seconds after which "shooting" begins no further round, and after which a mesh of the engine's own
+            is neither refined nor sampled further; what comes out then depends on the machine.
         max_patches: most patches of a mesh of the engine's own (default 100,000).
         focus: the name of a surface that matters: the accuracy is that of the field on it, relative to its mean, and
             mesh and samples go where they serve it. On a mesh of the engine's own.
@@ -304,7 +304,11 @@ def solve(
         return _solve_adaptively(scene, accuracy, sampling, max_patches, time_limit, focus, progress)
     if focus is not None or (max_patches is not None and isinstance(scene, Patches)):
         raise ValueError("max_patches and focus are for a mesh of the engine's own: pass a scene, without a transport")
-    patches = scene if isinstance(scene, Patches) else scene.patches(count=min(DEFAULT_PATCHES, max_patches or DEFAULT_PATCHES))
+    patches = (
+        scene
+        if isinstance(scene, Patches)
+        else scene.patches(count=min(DEFAULT_PATCHES, max_patches or DEFAULT_PATCHES))
+    )
     patches.scene.validate()
     limits_shooting = time_limit is not None or start is not None
     if transport is None and solver is None and closure == "balanced" and max_rays == MAX_RAYS and not limits_shooting:
@@ -354,7 +358,8 @@ class Sampling:
         """What another solve on the same exchange needs to know."""
         most = None if self.max_iterations is None else whole(self.max_iterations, "max_iterations", 0, 2**63 - 1)
         return {
-            "accuracy": float(accuracy), "solver": self.solver, "max_iterations": most, "exact": _is_exact(self.closure),
+            "accuracy": float(accuracy), "solver": self.solver, "max_iterations": most,
+            "exact": _is_exact(self.closure),
             "threads": threads_or_all(self.threads), "seed": whole(self.seed, "seed", 0, 2**64 - 1),
         }  # fmt: skip
 
@@ -396,7 +401,7 @@ def _is_adaptable(
     """Whether the mesh can be the engine's own."""
     samples = transport in (None, "sampled") and start is None and on_iterate is None
     takes_products = solver is None or (solver in SOLVERS and solver not in PROGRESSIVE)
-    return samples and takes_products and sum(len(surface.faces) for surface in scene.surfaces) <= MOST_FACES
+    return samples and takes_products and sum(np.shape(surface.faces)[0] for surface in scene.surfaces) <= MOST_FACES
 
 
 def _solve_adaptively(
@@ -417,9 +422,7 @@ def _solve_adaptively(
         raise ValueError(f"time_limit must be a positive number of seconds, not {time_limit}")
     most = adaptive.MOST_PATCHES if max_patches is None else whole(max_patches, "max_patches", 1, 2**31 - 1)
 
-    def solve_on(
-        patches: Patches, other: float, importance: Floats | None, progress: Progress | None
-    ) -> Solution:
+    def solve_on(patches: Patches, other: float, importance: Floats | None, progress: Progress | None) -> Solution:
         return sampling.solve(patches, other, progress, wanted=float(accuracy), importance=importance)
 
     limits = adaptive.Limits(most, math.inf if time_limit is None else float(time_limit))

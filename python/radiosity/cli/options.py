@@ -51,7 +51,9 @@ MaxPatches = Annotated[int | None, typer.Option(min=1, metavar="N", help="The mo
 Focus = Annotated[
     str | None,
     typer.Option(
-        "--for", metavar="SURFACE", help="A surface that matters: the accuracy is that of the light on it.",
+        "--for",
+        metavar="SURFACE",
+        help="A surface that matters: the accuracy is that of the light on it.",
         show_default=False,
     ),
 ]

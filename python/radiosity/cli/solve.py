@@ -95,8 +95,8 @@ def solve(
         output.print_json({"scene": file, "outputs": targets, "report": solution.report.to_dict(), "findings": found})
     elif not quiet:
         print(solution.report)
-        for target in targets:
-            print(f"wrote {target}")
+        for path in targets:
+            print(f"wrote {path}")
     if not quiet:
         output.warn_of_findings(file, findings)
     output.demand_accuracy(file, solution.report)
@@ -138,10 +138,10 @@ def solve_target(
 
     memory = None if effort.memory is None else options.read_size(effort.memory)
     limits: dict[str, Any] = {} if effort.max_rays is None else {"max_rays": effort.max_rays}
-    is_cut = isinstance(target, radiosity.Patches)
-    if not is_cut:
-        limits |= {"max_patches": effort.max_patches}
-    scene = target.scene if isinstance(target, radiosity.Patches) else target
+    if isinstance(target, radiosity.Patches):
+        scene = target.scene
+    else:
+        scene, limits = target, limits | {"max_patches": effort.max_patches}
     with source.naming(file, scene.name), Bar("solving", quiet=quiet) as bar:
         return radiosity.solve(
             target,
