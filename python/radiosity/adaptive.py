@@ -38,17 +38,20 @@ COARSE = 400
 MOST_PATCHES = 100_000
 """The most patches where the caller does not say."""
 
-MESH_SHARE = 0.9
+MESH_SHARE = 0.8
 """What the mesh may leave of the error asked for; the rest, which adds in squares, is for sampling."""
 
-LEFT_BY_CUTTING = 0.35
-"""What cutting a patch in four leaves of its squared error: a sixteenth where light is smooth, half at a step."""
+LEFT_BY_CUTTING = (0.0625, 0.2, 0.5)
+"""What cutting a patch in four leaves of its squared error: where light is smooth, to begin with, and at a step."""
 
 TO_SEE = 0.33
 """Errors of a third of what the mesh leaves let it be seen."""
 
 AIM = 0.7
 """Cutting aims at this share of the squared error that the mesh may leave."""
+
+AT_ONCE = 0.2
+"""One round of cutting aims at no less than this share of the squared error there was."""
 
 MOST_ROUNDS = 24
 
@@ -112,10 +115,12 @@ class _Search:
     limits: Limits
     weigh: Callable[[Solution | None, Patches], Floats] | None
     progress: Progress | None
+    cut: tuple[float, float] | None = None
 
     def run(self) -> Solution:
         """Refine and sample in turn."""
         self.begin, self.steps, self.effort = time.monotonic(), list[Step](), 0.0
+        self.left = LEFT_BY_CUTTING[1]
         self.mesh = _native.AdaptiveMesh(self.scene._native(), min(COARSE, self.limits.patches))
         finest = self.accuracy * math.sqrt(1 - MESH_SHARE**2)
         patches, leaf = self._patches()
@@ -139,8 +144,8 @@ class _Search:
             if solution.report.estimated_error <= self.accuracy:
                 return self._told(solution, "accuracy")
             limit, likely = full or self._limit(len(patches)), solution.report.causes["mesh"]
-            least = TO_SEE * max(likely, finest)
-            if limit is None and (likely > MESH_SHARE * self.accuracy or other <= least):
+            least, rest = TO_SEE * max(likely, finest), min(other, self.steps[-1].other_error)
+            if limit is None and (likely > MESH_SHARE * self.accuracy or rest <= least):
                 marked, is_plain = self._marks(solution, leaf, importance)
                 self.mesh.refine(marked)
                 finer = self._patches()
@@ -151,10 +156,10 @@ class _Search:
                     continue
                 limit = full = "max_patches"
             # The mesh is as fine as it gets: the rest is sampling, which also tells how fine that is.
-            if limit == "time" or other <= least:
+            if limit == "time" or rest <= least:
                 other_limit = solution.report.limited_by
                 return self._told(solution, limit or ("patch_size" if other_limit == "accuracy" else other_limit))
-            other = max(least, 0.6 * other)
+            other = max(least, 0.6 * rest)
 
     def _patches(self) -> tuple[Patches, Leaves]:
         native, leaf = self.mesh.patches()
@@ -189,30 +194,43 @@ class _Search:
 
         Also whether it was plain which these are.
         """
-        patches, leaves = solution.patches, int(leaf[-1]) + 1
-        weight = patches.area if importance is None else patches.area * importance
-        side = np.concatenate([np.arange(len(patches)), np.flatnonzero(patches.two_sided)])
-        weight, leaf = weight[side] / weight[side].sum(), leaf[side]
-        square, deviation = solution._native.mesh().T
-        error = np.bincount(leaf, weight * square, leaves)
-        noise = np.sqrt(np.bincount(leaf, (weight * deviation) ** 2, leaves))
-        irradiance = np.concatenate([solution.irradiance, solution.back_irradiance[patches.two_sided]])
-        wanted = AIM * (MESH_SHARE * self.accuracy * float(weight @ irradiance.mean(axis=1))) ** 2
+        error, noise = self._of_leaves(solution, leaf, importance)
+        total = float(error.sum())
+        if self.cut is not None:
+            before, of_them = self.cut
+            left = (total - (before - of_them)) / of_them
+            self.left = math.sqrt(self.left * min(max(left, LEFT_BY_CUTTING[0]), LEFT_BY_CUTTING[2]))
+        # Not too much at once: what a leaf hides shows when it is cut.
+        wanted = max(AIM * (MESH_SHARE * self.accuracy) ** 2, AT_ONCE * total)
         # What is not above its noise is no reason to cut.
         certain = np.where(error > 2 * noise, error, 0.0)
         order = np.argsort(-certain, kind="stable")
-        gained = np.cumsum((1 - LEFT_BY_CUTTING) * certain[order])
-        excess = float(error.sum()) - wanted
+        twice = self.left / 4 * certain > 2 * wanted / len(error)
+        gained = np.cumsum((certain * np.where(twice, 1 - self.left**2, 1 - self.left))[order])
         # A leaf that is cut becomes four, and its neighbours some pieces.
-        room = max((self.limits.patches - len(patches)) // 5, 1)
-        chosen = order[: min(int(np.searchsorted(gained, excess)) + 1, room)]
+        room = max((self.limits.patches - len(leaf)) // 5, 1)
+        chosen = order[: min(int(np.searchsorted(gained, total - wanted)) + 1, room)]
         chosen = chosen[certain[chosen] > 0]
-        marked = np.zeros(leaves, dtype=np.uint8)
+        marked = np.zeros(len(error), dtype=np.uint8)
         marked[chosen] = 1
-        if len(chosen) and len(chosen) < room // 4:
-            # As bad as the last even after one cut.
-            marked[chosen[LEFT_BY_CUTTING / 4 * certain[chosen] > certain[chosen[-1]]]] = 2
-        return marked, bool(gained[-1] >= excess)
+        if len(chosen) < room // 4:
+            marked[chosen[twice[chosen]]] = 2
+        self.cut = (total, float(certain[chosen].sum())) if len(chosen) and not (marked == 2).any() else None
+        return marked, bool(gained[-1] >= total - wanted)
+
+    @staticmethod
+    def _of_leaves(solution: Solution, leaf: Leaves, importance: Floats | None) -> tuple[Floats, Floats]:
+        """Squared error by the mesh on each leaf, as a share of the whole, over the squared mean; and its noise."""
+        patches = solution.patches
+        weight = patches.area if importance is None else patches.area * importance
+        side = np.concatenate([np.arange(len(patches)), np.flatnonzero(patches.two_sided)])
+        weight = weight[side] / weight[side].sum()
+        irradiance = np.concatenate([solution.irradiance, solution.back_irradiance[patches.two_sided]])
+        weight /= max(float(weight @ irradiance.mean(axis=1)) ** 2, 1e-300)
+        square, deviation = solution._native.mesh().T
+        error: Floats = np.bincount(leaf[side], weight * square).astype(np.float64)
+        noise: Floats = np.sqrt(np.bincount(leaf[side], (weight * deviation) ** 2))
+        return error, noise
 
     def _told(self, solution: Solution, limit: str) -> Solution:
         """The solution with a report on all that was done for it."""
