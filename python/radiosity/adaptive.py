@@ -145,7 +145,8 @@ class _Search:
                 return self._told(solution, "accuracy")
             limit, likely = full or self._limit(len(patches)), solution.report.causes["mesh"]
             least, rest = TO_SEE * max(likely, finest), min(other, self.steps[-1].other_error)
-            if limit is None and (likely > MESH_SHARE * self.accuracy or rest <= least):
+            is_sampled = rest <= least or self._is_stuck()
+            if limit is None and (likely > MESH_SHARE * self.accuracy or is_sampled):
                 marked, is_plain = self._marks(solution, leaf, importance)
                 self.mesh.refine(marked)
                 finer = self._patches()
@@ -156,7 +157,7 @@ class _Search:
                     continue
                 limit = full = "max_patches"
             # The mesh is as fine as it gets: the rest is sampling, which also tells how fine that is.
-            if limit == "time" or rest <= least:
+            if limit == "time" or is_sampled:
                 other_limit = solution.report.limited_by
                 return self._told(solution, limit or ("patch_size" if other_limit == "accuracy" else other_limit))
             other = max(least, 0.6 * rest)
@@ -173,6 +174,13 @@ class _Search:
         rest = math.sqrt(max(report.estimated_error**2 - report.mesh_error**2, 0.0))
         self.steps.append(Step(len(patches), report.mesh_error, rest, now - self.begin))
         return solution
+
+    def _is_stuck(self) -> bool:
+        """Whether the last solve was no better than the one before on the same mesh."""
+        if len(self.steps) < 2:
+            return False
+        before, now = self.steps[-2:]
+        return before.patches == now.patches and now.other_error > 0.9 * before.other_error
 
     def _affordable(self, patches: int, other: float) -> float:
         """The accuracy wanted, or what the time left allows."""

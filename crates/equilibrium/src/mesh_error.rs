@@ -10,9 +10,9 @@ use radiosity_exchange::Enclosure;
 use radiosity_geometry::corners::{CREASE_ANGLE, corner_weights};
 use radiosity_geometry::{Chart, Corners, Patches};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// The field against the samples, per side.
+#[derive(Default)]
 pub(crate) struct MeshError {
     /// Mean square over the side of the light less the field, sides x bands. Negative by noise.
     pub square: Vec<f64>,
@@ -20,6 +20,10 @@ pub(crate) struct MeshError {
     pub noise: Vec<f64>,
     /// Variance of the field by sampling, mean over the side, sides x bands.
     pub variance: Vec<f64>,
+    /// As `square`, half of it that of the sides around: less noise side by side.
+    pub smooth_square: Vec<f64>,
+    /// The variance of that, mean over bands.
+    pub smooth_noise: Vec<f64>,
 }
 
 /// Four by four cells see about this share of the variation: .70 of a parabola's about its mean, .75 of a step's, all of a
@@ -32,11 +36,11 @@ impl MeshError {
         let width = replicates * bands;
         let fronts = enclosure.patches();
         let n = fronts.len();
-        let mut corners = Corners::new(fronts, CREASE_ANGLE).field(&values[..n * width], width);
-        if enclosure.sides() > n {
-            let backs = backs(enclosure);
-            corners.extend(Corners::new(&backs, CREASE_ANGLE).field(&values[n * width..], width));
-        }
+        let backs = backs(enclosure);
+        let of_fronts = Corners::new(fronts, CREASE_ANGLE);
+        let of_backs = Corners::new(&backs, CREASE_ANGLE);
+        let mut corners = of_fronts.field(&values[..n * width], width);
+        corners.extend(of_backs.field(&values[n * width..], width));
         let per_side: Vec<(Vec<f64>, f64, Vec<f64>)> = (0..enclosure.sides())
             .into_par_iter()
             .with_min_len(64)
@@ -47,26 +51,49 @@ impl MeshError {
                 compare(corners, cells, &weights, replicates, bands)
             })
             .collect();
-        let mut error = Self { square: Vec::new(), noise: Vec::new(), variance: Vec::new() };
+        let mut error = Self::default();
         for (square, noise, variance) in per_side {
             error.square.extend(square);
             error.noise.push(noise);
             error.variance.extend(variance);
         }
+        error.smooth(&of_fronts, fronts, 0, bands);
+        error.smooth(&of_backs, &backs, n, bands);
         error
+    }
+
+    /// Mixes half of the sides from `first` on with those around them, by area.
+    fn smooth(&mut self, corners: &Corners, patches: &Patches, first: usize, bands: usize) {
+        for patch in 0..patches.len() {
+            let around = || corners.around(patch).filter(|&other| other != patch);
+            let area: f64 = around().map(|other| patches.area[other]).sum();
+            let own = if area > 0.0 { 0.5 } else { 1.0 };
+            let share = |other: usize| 0.5 * patches.area[other] / area;
+            let mut square: Vec<f64> =
+                self.square[(first + patch) * bands..][..bands].iter().map(|s| own * s).collect();
+            let mut noise = own * own * self.noise[first + patch];
+            for other in around() {
+                let of = &self.square[(first + other) * bands..][..bands];
+                square.iter_mut().zip(of).for_each(|(s, o)| *s += share(other) * o);
+                // Most come twice.
+                noise += 2.0 * share(other).powi(2) * self.noise[first + other];
+            }
+            self.smooth_square.extend(square);
+            self.smooth_noise.push(noise);
+        }
     }
 }
 
 /// The patches that have backs, in the order of those.
-fn backs(enclosure: &Enclosure) -> Arc<Patches> {
+fn backs(enclosure: &Enclosure) -> Patches {
     let fronts = enclosure.patches();
     let of: Vec<usize> = (fronts.len()..enclosure.sides()).map(|side| enclosure.patch_of(side)).collect();
-    Arc::new(Patches::new(
+    Patches::new(
         of.iter().map(|&p| fronts.polygons[p]).collect(),
         of.iter().map(|&p| fronts.surface[p]).collect(),
         of.iter().map(|&p| fronts.face[p]).collect(),
         vec![true; of.len()],
-    ))
+    )
 }
 
 /// What each corner counts in the mean over each cell: by four points, since triangles are folded along a diagonal.

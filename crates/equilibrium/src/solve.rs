@@ -339,7 +339,7 @@ fn next(task: &Task, estimate: &Estimate, settings: &Settings, most: u32) -> Ste
     // Leave sampling what elements do not take; if they take nearly all, more rays are wasted.
     // Many more rays will resolve elements of half the size.
     let finer = if estimate.relative_sampling > 2.0 * settings.accuracy { 0.5 } else { 1.0 };
-    let fixed = estimate.relative_elements.hypot(estimate.energy.imbalance);
+    let fixed = estimate.relative_elements;
     // The bound, which is what must meet the accuracy, is above what is likely.
     let accuracy = settings.accuracy * ratio(estimate.likely_but_mesh, estimate.relative_but_mesh);
     let allowed = accuracy.powi(2) - (finer * fixed).powi(2);
@@ -347,7 +347,12 @@ fn next(task: &Task, estimate: &Estimate, settings: &Settings, most: u32) -> Ste
     if patch_size && estimate.relative_sampling <= 0.5 * accuracy {
         return Step::Stop(Limit::PatchSize);
     }
-    let allowed = allowed.max(0.2 * accuracy.powi(2));
+    // Power that is not accounted for is noise too, of fewer samples than it seems; if it stays, it is not.
+    let unexplained = estimate.energy.imbalance.abs();
+    if unexplained > 0.8 * accuracy && estimate.relative_sampling <= 0.2 * accuracy {
+        return Step::Stop(Limit::PatchSize);
+    }
+    let allowed = (allowed - unexplained.powi(2)).max(0.2 * accuracy.powi(2));
     let enclosure = transport.enclosure();
     let total: f64 = (0..enclosure.sides()).map(|s| task.weight(s)).sum();
     let share: Vec<f64> = (0..enclosure.sides()).map(|s| task.weight(s) / total).collect();
