@@ -347,12 +347,13 @@ fn next(task: &Task, estimate: &Estimate, settings: &Settings, most: u32) -> Ste
     if patch_size && estimate.relative_sampling <= 0.5 * accuracy {
         return Step::Stop(Limit::PatchSize);
     }
-    // Power that is not accounted for is noise too, of fewer samples than it seems; if it stays, it is not.
+    // Power that is not accounted for is noise too, and falls along with the rest; if it stays, it is not.
     let unexplained = estimate.energy.imbalance.abs();
     if unexplained > 0.8 * accuracy && estimate.relative_sampling <= 0.2 * accuracy {
         return Step::Stop(Limit::PatchSize);
     }
-    let allowed = (allowed - unexplained.powi(2)).max(0.2 * accuracy.powi(2));
+    let expected = unexplained * ratio(accuracy, estimate.relative_sampling).min(1.0);
+    let allowed = (allowed - expected.powi(2)).max(0.2 * accuracy.powi(2));
     let enclosure = transport.enclosure();
     let total: f64 = (0..enclosure.sides()).map(|s| task.weight(s)).sum();
     let share: Vec<f64> = (0..enclosure.sides()).map(|s| task.weight(s) / total).collect();
