@@ -119,6 +119,12 @@ def test_most_patches_are_heeded_and_told(scene: Scene) -> None:
         radiosity.solve(scene, accuracy=0.1, max_patches=2)
 
 
+def test_the_memory_is_heeded(scene: Scene) -> None:
+    solution = radiosity.solve(scene, accuracy=1e-3, memory_limit=4_000_000)
+    assert solution.report.limited_by == "memory" and not solution.report.reached
+    assert solution.report.memory_bytes < 12_000_000, "samples, and what they are taken on"
+
+
 def test_the_time_is_heeded(scene: Scene) -> None:
     begin = time.monotonic()
     solution = radiosity.solve(scene, accuracy=1e-4, time_limit=1.0)

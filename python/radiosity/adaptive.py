@@ -143,6 +143,8 @@ class _Search:
                 return self._told(solution, "memory")
             if solution.report.estimated_error <= self.accuracy:
                 return self._told(solution, "accuracy")
+            if solution.report.limited_by == "memory":
+                return self._told(solution, "memory")
             limit, likely = full or self._limit(len(patches)), solution.report.causes["mesh"]
             least, rest = TO_SEE * max(likely, finest), min(other, self.steps[-1].other_error)
             is_sampled = rest <= least or self._is_stuck()

@@ -36,6 +36,8 @@ def test_done(run: Runner) -> None:
         (["solve", *QUICK, "--memory", "lots"], "'lots' is no size of memory: write a number and a unit"),
         (["solve", *QUICK, "--seed", 2**64], "'--seed'"),
         (["solve", "builtin:furnace", "--patches", 2**64], "'--patches'"),
+        (["solve", "builtin:cornell-box", "--for", "sofa"], "there is no surface 'sofa' to focus on; there are "),
+        (["solve", *QUICK, "--for", "floor"], "max_patches and focus are for a mesh of the engine's own"),
         (["solve", *QUICK, "--unit", "mm"], "built-in scenes are in metres: leave out --unit"),
         (["solve", "builtin:attic"], "there is no built-in scene 'attic': choose one of cornell-box, "),
         (["solve", "builtin:furnace", "--max-edge", -1], "--max-edge must be a positive number of metres, not -1"),
@@ -147,3 +149,21 @@ def test_a_reader_that_has_had_enough(start: Callable[..., subprocess.Popen[str]
     process.stdout.close()
     assert process.stderr.read() == ""
     assert process.wait(20) == 1
+
+
+@pytest.mark.parametrize(
+    ("limit", "remedy"),
+    [
+        (["--max-patches", 600], "raise --max-patches"),
+        (["--time", 0.5], "raise --time-limit"),
+        (["--memory", "4MB"], "raise --memory"),
+    ],
+)
+def test_a_mesh_within_limits_is_kept_and_says_how_far_it_got(
+    run: Runner, tmp_path: Path, limit: list[object], remedy: str
+) -> None:
+    path = tmp_path / "lit.npz"
+    done = run("solve", "builtin:cornell-box", "--accuracy", 1e-3, *limit, "-o", path)
+    assert done.returncode == 4
+    assert "the estimated error is " in done.stderr and remedy in done.stderr
+    assert path.exists()
