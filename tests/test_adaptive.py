@@ -62,13 +62,12 @@ def test_the_field_is_right_where_light_has_a_closed_form(scene: Scene, solution
     points = np.column_stack([rng.uniform(1.5, 2.5, (300, 2)), np.full(300, 0.8)])
     field = solution.irradiance_at(points, [0, 0, 1])[:, 0]
     # Over the desk there is nothing in the way, and the floor below it does not reach its top.
-    x, y = (np.linspace(1.8, 2.2, 81)[:-1] + 0.0025).reshape(-1, 1), 0.0
-    lamp = np.stack(np.meshgrid(x.ravel(), x.ravel()), axis=-1).reshape(-1, 2)
+    middles = np.linspace(1.8, 2.2, 81)[:-1] + 0.0025
+    lamp = np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)
     d = np.concatenate([lamp[None] - points[:, None, :2], np.full((300, len(lamp), 1), 1.7)], axis=2)
     r2 = (d**2).sum(axis=2)
     direct = 500 / np.pi * (1.7**2 / r2**2).sum(axis=1) * 0.005**2
     assert np.sqrt(np.mean((field - direct) ** 2)) < 0.05 * direct.mean()
-    assert y == 0.0
 
 
 def test_fields_are_continuous_and_not_everywhere(solution: Solution) -> None:
