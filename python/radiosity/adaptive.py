@@ -156,7 +156,11 @@ class _Search:
                     patches, leaf = finer
                     # What is lost in noise asks for more samples, not for more patches.
                     other = min(other if is_plain else 0.6 * other, max(0.5 * finest, TO_SEE * likely))
-                    continue
+                    # Noise that three times fewer errors do not clear stays.
+                    other = max(other, TO_SEE * least)
+                    if marked.any() or not self._is_stuck():
+                        continue
+                    limit = "patch_size"
                 limit = full = "max_patches"
             # The mesh is as fine as it gets: the rest is sampling, which also tells how fine that is.
             if limit == "time" or is_sampled:

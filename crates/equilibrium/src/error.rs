@@ -115,7 +115,7 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
     let (mut elements, mut systematic, mut level) = (0.0, 0.0, 0.0);
     let mut standard_error = vec![0.0; sides * bands];
     let mut squares: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; sides * bands]);
-    for side in 0..sides {
+    for (side, &carried) in carried.iter().enumerate() {
         let share = task.weight(side) / total_area;
         let weight = share / bands as f64;
         let mut of_side = 0.0;
@@ -125,15 +125,14 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
             let by_elements = answer.by_elements[k].powi(2);
             let unexplained =
                 (energy.imbalance * answer.irradiance[k]).powi(2) + (solver * answer.irradiance[k]).powi(2);
-            let by_cause = [by_samples, carried[side], by_elements, unexplained, mesh.smooth_square[k].max(0.0)];
+            let by_cause = [by_samples, carried, by_elements, unexplained, mesh.smooth_square[k].max(0.0)];
             (0..5).for_each(|cause| squares[cause][k] = by_cause[cause].sqrt());
             // Of the mean over the patch, or of the field on it.
-            let all =
-                if task.as_field { by_cause.iter().sum() } else { own[k] + carried[side] + by_elements + unexplained };
+            let all = if task.as_field { by_cause.iter().sum() } else { own[k] + carried + by_elements + unexplained };
             standard_error[k] = f64::sqrt(all);
             own_part.square += weight * by_samples;
             of_side += weight * by_samples;
-            carried_part.square += weight * carried[side];
+            carried_part.square += weight * carried;
             mesh_part.square += weight * mesh.square[k];
             elements += weight * by_elements;
             systematic += weight * unexplained;

@@ -137,6 +137,8 @@ impl AdaptiveMesh {
     }
 }
 
+/// Patch and weights of its corners, of each point.
+type Places<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>);
 /// Polygon, distance and whether it is the front, of each ray.
 type Looks<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);
 
@@ -164,7 +166,7 @@ impl Enclosure {
         points: PyReadonlyArray2<'py, f64>,
         normals: PyReadonlyArray2<'py, f64>,
         reach: f64,
-    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>)> {
+    ) -> PyResult<Places<'py>> {
         let (points, normals) = (convert::points_in(&points, "points")?, convert::points_in(&normals, "normals")?);
         if points.len() != normals.len() {
             return Err(PyValueError::new_err("give one normal per point"));

@@ -228,12 +228,10 @@ impl AdaptiveMesh {
     }
 
     fn cut_edges(&self, cell: &Cell) -> [bool; 4] {
-        let mut cut = [false; 4];
-        for k in 0..cell.n() {
+        std::array::from_fn(|k| {
             let (a, b) = cell.ends(k);
-            cut[k] = self.split.contains(&edge(a, b));
-        }
-        cut
+            k < cell.n() && self.split.contains(&edge(a, b))
+        })
     }
 
     /// Whether an edge hangs twice, or there is no good way to close those that hang once.
