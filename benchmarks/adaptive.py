@@ -27,7 +27,7 @@ import radiosity
 from radiosity.solution import Sampling
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "validation"))
-from known_answers import KNOWN
+from known_answers import KNOWN, normals_of
 
 from machine import describe
 
@@ -62,19 +62,6 @@ class Run:
     seconds: float
     error: float
     reported: float
-
-
-def normals_of(scene: radiosity.Scene, points: Floats, surface: npt.NDArray[np.int64]) -> Floats:
-    """The way surfaces look at points on them."""
-    patches = scene.patches(as_is=True)
-    normals = np.zeros_like(points)
-    for k in np.unique(surface):
-        of, here = np.flatnonzero(patches.surface == k), surface == k
-        off = np.abs(((points[here][:, None] - patches.centre[of]) * patches.normal[of]).sum(axis=2))
-        low, high = patches.polygons[of].min(axis=1) - 1e-6, patches.polygons[of].max(axis=1) + 1e-6
-        inside = np.all((points[here][:, None] >= low) & (points[here][:, None] <= high), axis=2)
-        normals[here] = patches.normal[of[np.argmin(np.where(inside, off, np.inf), axis=1)]]
-    return normals
 
 
 def known(name: str) -> tuple[radiosity.Scene, Truth]:

@@ -206,6 +206,19 @@ def probe_points(known: Known, count: int = 1000) -> tuple[Floats, Indices]:
     return probes.points, probes.surface
 
 
+def normals_of(scene: radiosity.Scene, points: Floats, surface: Indices) -> Floats:
+    """The way surfaces look at points on them."""
+    patches = scene.patches(as_is=True)
+    normals = np.zeros_like(points)
+    for k in np.unique(surface):
+        of, here = np.flatnonzero(patches.surface == k), surface == k
+        off = np.abs(((points[here][:, None] - patches.centre[of]) * patches.normal[of]).sum(axis=2))
+        low, high = patches.polygons[of].min(axis=1) - 1e-6, patches.polygons[of].max(axis=1) + 1e-6
+        inside = np.all((points[here][:, None] >= low) & (points[here][:, None] <= high), axis=2)
+        normals[here] = patches.normal[of[np.argmin(np.where(inside, off, np.inf), axis=1)]]
+    return normals
+
+
 def _corners(surface: radiosity.Surface) -> list[Floats]:
     vertices = np.asarray(surface.vertices)
     return [vertices[face] for face in np.asarray(surface.faces)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from known_answers import KNOWN, Known, true_error_of_field, true_error_of_patch_means
+from known_answers import KNOWN, Known, normals_of, true_error_of_field, true_error_of_patch_means
 
 import radiosity
 
@@ -38,17 +38,9 @@ def means(known: Known, seed: int) -> tuple[float, float]:
 def field(known: Known, seed: int) -> tuple[float, float]:
     """Of the field on a mesh of the engine's own."""
     solution = radiosity.solve(known.scene(), accuracy=0.04, max_patches=20_000, time_limit=60, seed=seed)
-    normals = solution.patches.normal
-    first = np.array([np.flatnonzero(solution.patches.surface == k)[0] for k in range(len(known.scene().surfaces))])
 
     def at(points: np.ndarray, surface: np.ndarray) -> np.ndarray:
-        values = solution.irradiance_at(points, normals[first[surface]])
-        # Surfaces of several faces look several ways.
-        for way in np.unique(normals.round(9), axis=0):
-            lost = np.isnan(values).any(axis=1)
-            if not lost.any():
-                break
-            values[lost] = solution.irradiance_at(points[lost], way)
+        values = solution.irradiance_at(points, normals_of(solution.patches.scene, points, surface))
         assert np.isfinite(values).all()
         return values
 

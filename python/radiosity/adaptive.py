@@ -9,7 +9,6 @@ Early solves are only as accurate as it takes to see where the mesh is too coars
 
 from __future__ import annotations
 
-import difflib
 import math
 import time
 from collections.abc import Callable
@@ -22,6 +21,7 @@ from scipy.spatial import cKDTree
 
 from radiosity import _native
 from radiosity.patches import Patches
+from radiosity.sensitivity import those_near
 
 if TYPE_CHECKING:
     from radiosity.scene import Scene
@@ -161,7 +161,8 @@ class _Search:
                     if marked.any() or not self._is_stuck():
                         continue
                     limit = "patch_size"
-                limit = full = "max_patches"
+                else:
+                    limit = full = "max_patches"
             # The mesh is as fine as it gets: the rest is sampling, which also tells how fine that is.
             if limit == "time" or is_sampled:
                 other_limit = solution.report.limited_by
@@ -274,8 +275,8 @@ def focus_on(scene: Scene, name: str) -> Callable[[Solution | None, Patches], Fl
     """
     names = [surface.name for surface in scene.surfaces]
     if name not in names:
-        near = difflib.get_close_matches(name, names, 3) or names[:5]
-        raise ValueError(f"there is no surface '{name}' to focus on; there are {', '.join(near)}")
+        near = ", ".join(those_near(name, names))
+        raise ValueError(f"there is no surface '{name}' to focus on; there are {near}")
     chosen = np.array([other == name for other in names])
 
     def weigh(solution: Solution | None, patches: Patches) -> Floats:

@@ -183,9 +183,14 @@ def named(patches: Patches, name: str) -> npt.NDArray[np.bool_]:
     return np.isin(patches.surface, surfaces)
 
 
+def those_near(name: str, known: Sequence[str]) -> list[str]:
+    """The names that are like one, or the first of them if none is."""
+    return get_close_matches(name, known, n=3, cutoff=0.5) or list(known[:8])
+
+
 def unknown(what: str, name: str, known: Sequence[str]) -> ValueError:
     """The error about a name that nothing has, with those that are near."""
-    near = get_close_matches(name, known, n=3, cutoff=0.5) or list(known[:8])
+    near = those_near(name, known)
     if not near:
         return ValueError(f"there is no {what} '{name}': the scene has none")
     more = " ..." if len(near) == 8 < len(known) else ""

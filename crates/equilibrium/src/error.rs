@@ -43,11 +43,9 @@ pub(crate) struct Estimate {
     /// Mean square of what the field leaves of the light about each side, less its noise, and the variance of that.
     pub mesh: Vec<f64>,
     pub mesh_noise: Vec<f64>,
-    /// The root mean square over area and bands, relative to the mean irradiance: the upper end of the interval.
-    pub relative: f64,
-    /// The same without the part of the mesh.
+    /// The upper end of the interval of all parts but the mesh.
     pub relative_but_mesh: f64,
-    /// It is between these nine times in ten.
+    /// The root mean square over area and bands, relative to the mean irradiance, is between these nine times in ten.
     pub interval: (f64, f64),
     /// The likeliest value without the part of the mesh.
     pub likely_but_mesh: f64,
@@ -161,7 +159,6 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
         light_variance,
         mesh: mesh.smooth_square.chunks_exact(bands.max(1)).map(mean).collect(),
         mesh_noise: mesh.smooth_noise,
-        relative: relative(but_mesh + counted.high()),
         relative_but_mesh: relative(but_mesh),
         interval: (relative(own_part.low() + carried_part.low() + counted.low()), relative(but_mesh + counted.high())),
         likely_but_mesh: relative(likely),

@@ -408,7 +408,7 @@ fn report(task: &Task, answer: &Answer, estimate: &Estimate, settings: &Settings
     Report {
         accuracy: settings.accuracy,
         limited_by: Some(limit),
-        estimated_error: estimate.relative,
+        estimated_error: estimate.interval.1,
         interval: estimate.interval,
         of_field: settings.as_field,
         mesh_error: estimate.mesh_bound,

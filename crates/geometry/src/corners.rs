@@ -162,27 +162,43 @@ impl<'a> Corners<'a> {
 }
 
 /// What each corner of a patch counts at chart coordinates `(s, t)` in its interpolation.
-///
-/// A quad is the unit square mapped affinely on either side of its diagonal, with bilinear values: bilinear itself on
-/// parallelograms, and continuous across all edges on others.
 pub fn corner_weights(chart: &Chart, s: f64, t: f64) -> [f64; 4] {
-    let (u, v) = match *chart {
-        Chart::Parallelogram { .. } => (s, t),
+    match *chart {
+        Chart::Parallelogram { .. } => in_square(s, t),
         Chart::Triangle { .. } => {
             let (b1, b2) = chart.barycentric(s, t);
-            return [1.0 - b1 - b2, b1, b2, 0.0];
+            in_triangle(b1, b2)
         }
         Chart::Quad { split, .. } => {
             let (b1, b2) = chart.barycentric(s, t);
-            if s < split { (b1 + b2, b2) } else { (b1, b1 + b2) }
+            in_half(usize::from(s >= split), b1, b2)
         }
-    };
-    [(1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v]
+    }
 }
 
-type PositionBits = [u64; 3];
+/// The same in a triangle, where its second and third corner count `u` and `v`.
+pub fn in_triangle(u: f64, v: f64) -> [f64; 4] {
+    [1.0 - u - v, u, v, 0.0]
+}
 
-fn bits(p: DVec3) -> PositionBits {
+/// The same in the first (`half` 0) or the second triangle of a quad.
+///
+/// A quad is the unit square mapped affinely on either side of its diagonal, with bilinear values: bilinear itself on
+/// parallelograms, and on others continuous across all edges, which two triangles with linear values are too, but
+/// without their ridge along the diagonal.
+pub fn in_half(half: usize, u: f64, v: f64) -> [f64; 4] {
+    if half == 0 { in_square(u + v, v) } else { in_square(u, u + v) }
+}
+
+fn in_square(s: f64, t: f64) -> [f64; 4] {
+    [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t]
+}
+
+/// A point by the bits of its coordinates, by which meshes know that corners meet.
+pub type PositionBits = [u64; 3];
+
+/// The bits of a point.
+pub fn bits(p: DVec3) -> PositionBits {
     // Adding zero makes a negative zero positive.
     (p + DVec3::ZERO).to_array().map(f64::to_bits)
 }

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use glam::{DVec3, Vec3};
 use radiosity_geometry::Patches;
 use radiosity_geometry::bvh::{Bvh, BvhParams, Hit, Ray};
+use radiosity_geometry::corners::{in_half, in_triangle};
 use radiosity_operator::{Cancelled, Control};
 use radiosity_scene::Camera;
 use rayon::prelude::*;
@@ -175,18 +176,13 @@ enum Part {
 
 impl Facet {
     /// The weights of the patch's corners where a ray met the facet.
-    ///
-    /// A quad is the unit square mapped affinely on either side of its diagonal. That is bilinear on parallelograms,
-    /// and on others continuous across all edges, which two triangles with linear values are too, but without their
-    /// ridge along the diagonal.
     fn corner_weights(&self, hit: &Hit) -> [f64; 4] {
         let (u, v) = (f64::from(hit.u), f64::from(hit.v));
-        let (s, t) = match self.part {
-            Part::Whole => return [1.0 - u - v, u, v, 0.0],
-            Part::First => (u + v, v),
-            Part::Second => (u, u + v),
-        };
-        [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t]
+        match self.part {
+            Part::Whole => in_triangle(u, v),
+            Part::First => in_half(0, u, v),
+            Part::Second => in_half(1, u, v),
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use std::collections::HashSet;
 
 use glam::DVec3;
 use radiosity_geometry::Patches;
+use radiosity_geometry::corners::{PositionBits, bits};
 
 use super::{MOST_PATCHES, Meshing, check_size};
 use crate::{Scene, SceneError};
@@ -41,12 +42,11 @@ struct Cell {
     children: Option<u32>,
 }
 
-type Point = [u64; 3];
 /// Its ends in order.
-type Edge = [Point; 2];
+type Edge = [PositionBits; 2];
 
 fn edge(a: DVec3, b: DVec3) -> Edge {
-    let [a, b] = [a, b].map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
+    let [a, b] = [a, b].map(bits);
     if a <= b { [a, b] } else { [b, a] }
 }
 
