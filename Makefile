@@ -1,4 +1,5 @@
-# Everything happens in .venv, which is made on first use. Needs Rust and Python 3.11 or newer.
+# Everything happens in .venv and viewer/node_modules, which are made on first use. Needs Rust, Python 3.11 or newer, and
+# Node.js 20 or newer.
 
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
@@ -10,18 +11,23 @@ VENV := .venv
 BIN := $(VENV)/bin
 TOOLS := $(VENV)/.tools-installed
 NATIVE := $(VENV)/.extension-built
+PAGE := python/radiosity/viewer/bundle/index.html
+PACKAGES := viewer/node_modules/.package-lock.json
+PAGE_SOURCES := $(addprefix viewer/,index.html tsconfig.json vite.config.ts package-lock.json) $(shell find viewer/src -type f)
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
 TESTED_CRATES := --workspace --exclude radiosity-python  # an extension module cannot be linked into a test program
 
 # The same interpreter for every build, so that Rust does not rebuild what knows about Python.
 export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
-.PHONY: help setup demo test test-rust test-python check bench validate lock clean
+.PHONY: help setup viewer demo test test-rust test-python check bench validate lock clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
 
-setup: $(NATIVE) ## Make .venv with pinned tools and build the extension into it.
+setup: $(NATIVE) $(PAGE) ## Make .venv with pinned tools, build the extension into it, and the viewer's page.
+
+viewer: $(PAGE) ## Build the page of the viewer.
 
 demo: $(NATIVE) ## Light the Cornell box: model, picture and table in out/.
 	$(BIN)/radiosity demo
@@ -71,3 +77,11 @@ $(TOOLS): requirements-dev.lock
 $(NATIVE): $(TOOLS) pyproject.toml $(RUST_SOURCES)
 	PIP_QUIET=1 $(BIN)/maturin develop --release --locked --quiet
 	touch $@
+
+$(PACKAGES): viewer/package.json viewer/package-lock.json
+	@command -v npm > /dev/null || { echo "Node.js 20 or newer is needed for the viewer: see https://nodejs.org"; exit 1; }
+	npm --prefix viewer ci --no-fund --no-audit --loglevel=error
+	touch $@
+
+$(PAGE): $(PACKAGES) $(PAGE_SOURCES)
+	npm --prefix viewer run --silent build

@@ -1,0 +1,163 @@
+// Patches and the light on them, lamp by lamp: B = E + rho H, and light is linear.
+
+import type { LightHead, SceneHead } from "./messages";
+import type { Packet } from "./packet";
+
+export type Quantity = "radiosity" | "irradiance" | "emission" | "error" | "reflectance" | "patches";
+
+export const QUANTITIES: Quantity[] = ["radiosity", "irradiance", "emission", "error", "reflectance", "patches"];
+
+/** Numbers of one patch, for those who ask about it. */
+export interface Spectra {
+  irradiance: number[];
+  radiosity: number[];
+  emission: number[];
+  error: number[];
+  reflectance: number[];
+}
+
+export class LitScene {
+  readonly head: SceneHead;
+  readonly count: number;
+  readonly bands: number;
+  /** count x 4 corners x 3, metres from head.origin; a triangle repeats its last corner. */
+  readonly polygons: Float32Array;
+  readonly surface: Uint32Array;
+  /** 1 where a patch is a triangle. */
+  readonly isTriangle: Uint8Array;
+  /** Square metres. */
+  readonly area: Float32Array;
+  /** count x 3, unit. */
+  readonly normal: Float32Array;
+  /** How much of each layer there is: layers x bands. Change it with `mix`. */
+  readonly weights: Float32Array;
+
+  private emission!: Float32Array;
+  private irradiance!: Float32Array;
+  private cornerIrradiance!: Float32Array;
+  private error!: Float32Array;
+  private reflectance: number[][];
+
+  constructor(packet: Packet) {
+    if (packet.head.type !== "scene") throw new Error("the packet holds no scene");
+    this.head = packet.head;
+    this.polygons = packet.floats("polygons");
+    this.surface = packet.indices("surface");
+    this.count = this.surface.length;
+    this.bands = this.head.bands.length;
+    this.reflectance = this.head.surfaces.map((surface) => surface.reflectance);
+    this.weights = new Float32Array(packet.shape("emission")[0] * this.bands).fill(1);
+    [this.isTriangle, this.area, this.normal] = shapes(this.polygons);
+    this.takeLight(packet);
+  }
+
+  get layers(): number {
+    return this.weights.length / this.bands;
+  }
+
+  /** Other light on the same patches. */
+  relight(packet: Packet): void {
+    if (packet.head.type !== "light") throw new Error("the packet holds no light");
+    this.reflectance = (packet.head as LightHead).reflectance;
+    this.takeLight(packet);
+  }
+
+  private takeLight(packet: Packet): void {
+    const [layers, count, bands] = packet.shape("emission");
+    if (layers !== this.layers || count !== this.count || bands !== this.bands)
+      throw new Error("the light is of other patches");
+    this.emission = packet.floats("emission");
+    this.irradiance = packet.floats("irradiance");
+    this.cornerIrradiance = packet.floats("corner_irradiance");
+    this.error = packet.floats("error");
+  }
+
+  /** Sets how much of a layer there is, by band. */
+  mix(layer: number, weights: ArrayLike<number>): void {
+    for (let b = 0; b < this.bands; b++) this.weights[layer * this.bands + b] = weights[b];
+  }
+
+  /** Sum over layers of an array of layers x (count x per) x bands, for one row of bands. */
+  private mixed(array: Float32Array, row: number, band: number): number {
+    const stride = array.length / this.layers;
+    let sum = 0;
+    for (let layer = 0, at = row * this.bands + band; layer < this.layers; layer++, at += stride)
+      sum += this.weights[layer * this.bands + band] * array[at];
+    return sum;
+  }
+
+  /** What a patch has: means over it. */
+  of(patch: number): Spectra {
+    const all = <T>(value: (band: number) => T) => Array.from({ length: this.bands }, (_, band) => value(band));
+    const reflectance = this.reflectanceOf(this.surface[patch]);
+    const emission = all((b) => this.mixed(this.emission, patch, b));
+    const irradiance = all((b) => this.mixed(this.irradiance, patch, b));
+    return {
+      irradiance,
+      emission,
+      radiosity: all((b) => emission[b] + reflectance[b] * irradiance[b]),
+      error: all((b) => this.error[patch * this.bands + b]),
+      reflectance,
+    };
+  }
+
+  reflectanceOf(surface: number): number[] {
+    return this.reflectance[surface];
+  }
+
+  /**
+   * Values of one band at the four corners of every patch, or of the patch four times.
+   *
+   * @param step distance of one corner's value from the next in `out`.
+   */
+  fill(quantity: Quantity, band: number, smooth: boolean, out: Float32Array, first: number, step: number): void {
+    const { bands, count, layers, weights } = this;
+    const n = 4 * count;
+    if (quantity === "radiosity" || quantity === "irradiance") {
+      const array = smooth ? this.cornerIrradiance : this.irradiance;
+      for (let i = 0; i < n; i++) out[first + i * step] = 0;
+      for (let layer = 0; layer < layers; layer++) {
+        const weight = weights[layer * bands + band];
+        const rows = layer * (array.length / layers) + band;
+        for (let i = 0; i < n; i++) out[first + i * step] += weight * array[rows + (smooth ? i : i >> 2) * bands];
+      }
+    }
+    if (quantity === "irradiance") return;
+    for (let patch = 0; patch < count; patch++) {
+      const rho = this.reflectance[this.surface[patch]][band];
+      const emitted = quantity === "radiosity" || quantity === "emission" ? this.mixed(this.emission, patch, band) : 0;
+      for (let i = 4 * patch; i < 4 * patch + 4; i++) {
+        const at = first + i * step;
+        if (quantity === "radiosity") out[at] = emitted + rho * out[at];
+        else if (quantity === "emission") out[at] = emitted;
+        else if (quantity === "reflectance") out[at] = rho;
+        else if (quantity === "error") out[at] = this.error[patch * bands + band];
+        else out[at] = tint(patch, band % 3);
+      }
+    }
+  }
+}
+
+/** A colour for a patch that its neighbours do not have. */
+function tint(patch: number, channel: number): number {
+  let h = Math.imul(patch + 1, 0x9e3779b1) ^ Math.imul(channel + 1, 0x85ebca6b);
+  h = Math.imul(h ^ (h >>> 15), 0x2c1b3c6d);
+  return 0.15 + 0.7 * (((h ^ (h >>> 12)) >>> 0) / 2 ** 32);
+}
+
+function shapes(polygons: Float32Array): [Uint8Array, Float32Array, Float32Array] {
+  const count = polygons.length / 12;
+  const isTriangle = new Uint8Array(count);
+  const area = new Float32Array(count);
+  const normal = new Float32Array(3 * count);
+  for (let i = 0, p = 0; i < count; i++, p += 12) {
+    const [ax, ay, az] = [polygons[p + 6] - polygons[p], polygons[p + 7] - polygons[p + 1], polygons[p + 8] - polygons[p + 2]];
+    const [bx, by, bz] = [polygons[p + 9] - polygons[p + 3], polygons[p + 10] - polygons[p + 4], polygons[p + 11] - polygons[p + 5]];
+    const [x, y, z] = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx];
+    const length = Math.hypot(x, y, z);
+    area[i] = length / 2;
+    normal.set(length > 0 ? [x / length, y / length, z / length] : [0, 1, 0], 3 * i);
+    isTriangle[i] = [6, 7, 8].every((k) => polygons[p + k] === polygons[p + k + 3]) ? 1 : 0;
+  }
+  return [isTriangle, area, normal];
+}
