@@ -1,4 +1,4 @@
-"""Writes ``viewer/src/messages.ts`` from :mod:`radiosity.viewer.messages`: ``python -m radiosity.viewer.typescript``."""
+"""``python -m radiosity.viewer.typescript FILE`` writes ``viewer/src/messages.ts`` from :mod:`radiosity.viewer.messages`."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def written() -> str:
 
 def _named(kinds: tuple[type, ...]) -> list[type]:
     """What the fields of these are made of, and has a name."""
-    found: list[type] = []
+    found: list[Any] = []
     for kind in kinds:
         for hint in typing.get_type_hints(kind).values():
             found += [a for a in typing.get_args(hint) if dataclasses.is_dataclass(a) and a not in found]
