@@ -1,7 +1,7 @@
 """What the page and the session say to each other: the one schema, from which ``viewer/src/messages.ts`` is written.
 
 Messages are JSON objects with their name under "type"; blocks of numbers go as packets
-(:mod:`radiosity.viewer.packet`), whose header is one of the two heads below. ``python -m radiosity.viewer.typescript`` writes the TypeScript side.
+(:mod:`radiosity.viewer.packet`), whose header is one of the two heads below.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``python -m radiosity.viewer.typescript FILE`` writes ``viewer/src/messages.ts`` from :mod:`radiosity.viewer.messages`."""
+"""``python -m radiosity.viewer.typescript viewer/src/messages.ts`` writes the messages as TypeScript has them."""
 
 from __future__ import annotations
 
