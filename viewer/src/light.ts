@@ -1,5 +1,6 @@
 // Patches and the light on them, lamp by lamp: B = E + rho H, and light is linear.
 
+import { cornerWeights } from "./field";
 import type { LightHead, SceneHead } from "./messages";
 import type { Packet } from "./packet";
 
@@ -14,6 +15,12 @@ export interface Spectra {
   emission: number[];
   error: number[];
   reflectance: number[];
+}
+
+export interface Emitter {
+  patch: number;
+  /** W/m2, all bands and layers together. */
+  emission: number;
 }
 
 export class LitScene {
@@ -37,6 +44,7 @@ export class LitScene {
   private cornerIrradiance!: Float32Array;
   private error!: Float32Array;
   private reflectance: number[][];
+  private firstEmitters: Emitter[] | null = null;
 
   constructor(packet: Packet) {
     if (packet.head.type !== "scene") throw new Error("the packet holds no scene");
@@ -58,6 +66,7 @@ export class LitScene {
   /** Other light on the same patches. */
   relight(packet: Packet): void {
     if (packet.head.type !== "light") throw new Error("the packet holds no light");
+    this.firstEmitters ??= this.findEmitters();
     this.reflectance = (packet.head as LightHead).reflectance;
     this.takeLight(packet);
   }
@@ -70,6 +79,15 @@ export class LitScene {
     this.irradiance = packet.floats("irradiance");
     this.cornerIrradiance = packet.floats("corner_irradiance");
     this.error = packet.floats("error");
+  }
+
+  private findEmitters(): Emitter[] {
+    const emission = new Float64Array(this.count);
+    for (let i = 0; i < this.emission.length; i++)
+      emission[Math.floor(i / this.bands) % this.count] += this.emission[i];
+    const emitters: Emitter[] = [];
+    emission.forEach((e, patch) => e > 0 && emitters.push({ patch, emission: e }));
+    return emitters;
   }
 
   /** Sets how much of a layer there is, by band. */
@@ -99,6 +117,36 @@ export class LitScene {
       error: all((b) => this.error[patch * this.bands + b]),
       reflectance,
     };
+  }
+
+  /** Irradiance of the field at a place of a patch, which is what a smooth picture shows. */
+  irradianceAt(patch: number, s: number, t: number): number[] {
+    const corners = cornerWeights(this.isTriangle[patch] === 1, s, t);
+    return Array.from({ length: this.bands }, (_, band) =>
+      corners.reduce((sum, w, k) => (w ? sum + w * this.mixed(this.cornerIrradiance, 4 * patch + k, band) : sum), 0),
+    );
+  }
+
+  /** Radiosity of the field at a place of a patch. */
+  radiosityAt(patch: number, s: number, t: number): number[] {
+    const reflectance = this.reflectance[this.surface[patch]];
+    return this.irradianceAt(patch, s, t).map((h, band) => this.mixed(this.emission, patch, band) + reflectance[band] * h);
+  }
+
+  /** Patches that emit when every layer is there once, as they were first; relighting does not make them others. */
+  get emitters(): Emitter[] {
+    return (this.firstEmitters ??= this.findEmitters());
+  }
+
+  /** The largest extent of the patches, metres. */
+  get size(): number {
+    const { polygons } = this;
+    const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    for (let i = 0; i < polygons.length; i++) {
+      low[i % 3] = Math.min(low[i % 3], polygons[i]);
+      high[i % 3] = Math.max(high[i % 3], polygons[i]);
+    }
+    return Math.max(...high.map((h, axis) => h - low[axis]));
   }
 
   reflectanceOf(surface: number): number[] {
