@@ -23,10 +23,13 @@ export function locate(polygons: Float32Array, patch: number, x: number, y: numb
 
 /** The inverse of `locate`. */
 export function pointAt(polygons: Float32Array, patch: number, s: number, t: number): Point {
-  const weights = s >= t ? [1 - s, s - t, t, 0] : [1 - t, 0, s, t - s];
-  return [0, 1, 2].map((axis) =>
-    weights.reduce((sum, w, corner) => sum + w * polygons[12 * patch + 3 * corner + axis], 0),
-  ) as Point;
+  const o = 12 * patch;
+  const isFirst = s >= t;
+  const far = Math.max(s, t);
+  const near = Math.min(s, t);
+  const side = o + (isFirst ? 3 : 9);
+  const axis = (k: number) => (1 - far) * polygons[o + k] + (far - near) * polygons[side + k] + near * polygons[o + 6 + k];
+  return [axis(0), axis(1), axis(2)];
 }
 
 /** Coordinates that are spread evenly over the area of a patch if (u, v) are over the unit square. */

@@ -129,24 +129,24 @@ export class LitScene {
 
   /** Radiosity of the field at a place of a patch. */
   radiosityAt(patch: number, s: number, t: number): number[] {
+    const out = new Float64Array(this.bands);
+    this.addRadiosity(patch, s, t, 1, out, 0);
+    return [...out];
+  }
+
+  /** Adds a factor times the radiosity at a place of a patch to `out`, a number a band from `first` on. */
+  addRadiosity(patch: number, s: number, t: number, factor: number, out: Float64Array, first: number): void {
+    const { bands, layers, count, weights, emission, cornerIrradiance: corners } = this;
+    const [a, b, c, d] = cornerWeights(this.isTriangle[patch] === 1, s, t);
     const reflectance = this.reflectance[this.surface[patch]];
-    return this.irradianceAt(patch, s, t).map((h, band) => this.mixed(this.emission, patch, band) + reflectance[band] * h);
-  }
-
-  /** Patches that emit when every layer is there once, as they were first; relighting does not make them others. */
-  get emitters(): Emitter[] {
-    return (this.firstEmitters ??= this.findEmitters());
-  }
-
-  /** The largest extent of the patches, metres. */
-  get size(): number {
-    const { polygons } = this;
-    const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-    for (let i = 0; i < polygons.length; i++) {
-      low[i % 3] = Math.min(low[i % 3], polygons[i]);
-      high[i % 3] = Math.max(high[i % 3], polygons[i]);
-    }
-    return Math.max(...high.map((h, axis) => h - low[axis]));
+    for (let layer = 0; layer < layers; layer++)
+      for (let band = 0; band < bands; band++) {
+        const row = layer * count + patch;
+        const at = 4 * row * bands + band;
+        const arrives = a * corners[at] + b * corners[at + bands] + c * corners[at + 2 * bands] + d * corners[at + 3 * bands];
+        out[first + band] +=
+          factor * weights[layer * bands + band] * (emission[row * bands + band] + reflectance[band] * arrives);
+      }
   }
 
   reflectanceOf(surface: number): number[] {

@@ -58,18 +58,27 @@ export function row(lit: LitScene, patch: number, point: Point, closest: Closest
   return collected.row();
 }
 
-/** By surface, the brightest first, in the light as it is. */
-export function sources(lit: LitScene, row: Row): Source[] {
-  return gathered(lit, row, (patch) => lit.surface[patch]).map(({ sum }) => sum);
+/** What arrives of each sample in the light as it is, samples x bands. */
+export function arrivals(lit: LitScene, { patch, st, factor }: Row): Float64Array {
+  const out = new Float64Array(patch.length * lit.bands);
+  patch.forEach((p, i) => lit.addRadiosity(p, st[2 * i], st[2 * i + 1], factor[i], out, i * lit.bands));
+  return out;
 }
 
-/** By parts of surfaces that face one way, the brightest first, and where the middle of their light is. */
-export function origins(lit: LitScene, row: Row): Origin[] {
+/** By surface, the brightest first. */
+export function sources(lit: LitScene, row: Row, arriving = arrivals(lit, row)): Source[] {
+  return groups(lit, row, arriving, (patch) => lit.surface[patch]).map(({ sum }) => sum);
+}
+
+/** By parts of surfaces that face one way, the `most` brightest first, and where the middle of their light is. */
+export function origins(lit: LitScene, row: Row, most: number, arriving = arrivals(lit, row)): Origin[] {
   const facing = (patch: number) => {
-    const [x, y, z] = [0, 1, 2].map((axis) => Math.round(lit.normal[3 * patch + axis]) + 1);
-    return 27 * lit.surface[patch] + 9 * x + 3 * y + z;
+    const axis = (k: number) => Math.round(lit.normal[3 * patch + k]) + 1;
+    return 27 * lit.surface[patch] + 9 * axis(0) + 3 * axis(1) + axis(2);
   };
-  return gathered(lit, row, facing).map(({ sum, samples }) => ({ ...sum, point: middle(lit, row, samples) }));
+  return groups(lit, row, arriving, facing)
+    .slice(0, most)
+    .map(({ sum, samples }) => ({ ...sum, point: middle(lit, row, samples) }));
 }
 
 /** All bands together. */
@@ -77,22 +86,26 @@ export function total(spectrum: number[]): number {
   return spectrum.reduce((a, b) => a + b, 0);
 }
 
-function gathered(lit: LitScene, row: Row, key: (patch: number) => number): { sum: Source; samples: number[] }[] {
-  const groups = new Map<number, { sum: Source; samples: number[] }>();
+interface Group {
+  sum: Source;
+  samples: number[];
+}
+
+function groups(lit: LitScene, row: Row, arriving: Float64Array, key: (patch: number) => number): Group[] {
+  const { bands, surface } = lit;
+  const found = new Map<number, Group>();
   row.patch.forEach((patch, i) => {
     const name = key(patch);
-    let group = groups.get(name);
+    let group = found.get(name);
     if (!group) {
-      const irradiance = Array<number>(lit.bands).fill(0);
-      groups.set(name, (group = { sum: { surface: lit.surface[patch], factor: 0, irradiance }, samples: [] }));
+      const irradiance = Array<number>(bands).fill(0);
+      found.set(name, (group = { sum: { surface: surface[patch], factor: 0, irradiance }, samples: [] }));
     }
-    const { sum, samples } = group;
-    const factor = row.factor[i];
-    sum.factor += factor;
-    lit.radiosityAt(patch, row.st[2 * i], row.st[2 * i + 1]).forEach((b, band) => (sum.irradiance[band] += factor * b));
-    samples.push(i);
+    group.sum.factor += row.factor[i];
+    for (let band = 0; band < bands; band++) group.sum.irradiance[band] += arriving[i * bands + band];
+    group.samples.push(i);
   });
-  return [...groups.values()].sort(
+  return [...found.values()].sort(
     (a, b) => total(b.sum.irradiance) - total(a.sum.irradiance) || b.sum.factor - a.sum.factor,
   );
 }

@@ -101,7 +101,7 @@ describe("a row of F", () => {
   test("tells where on a surface its light is from, facing by facing", () => {
     const scene = lit(cube(2, (face) => ({ reflectance: 0.5, irradiance: [face === 3 ? 4 : 1] })));
     scene.surface.fill(0);
-    const found = origins(scene, row(scene, 8, [0.5, 0, 0.5], tracer(scene)));
+    const found = origins(scene, row(scene, 8, [0.5, 0, 0.5], tracer(scene)), 12);
     expect(found.length).toBe(5);
     expect(found[0].point[1]).toBeCloseTo(1, 6); // face 3 is the ceiling, y = 1
     expect(Math.hypot(found[0].point[0] - 0.5, found[0].point[2] - 0.5)).toBeLessThan(0.1);
