@@ -5,7 +5,7 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import type { Point } from "./field";
-import type { Stage } from "./stage";
+import type { Overlay } from "./overlay";
 
 export interface Beam {
   from: Point;
@@ -20,25 +20,20 @@ export interface Beam {
 const HALO = 1.25;
 
 export class Beams {
-  private readonly scene = new THREE.Scene();
   private readonly material = widthByLine();
   private lines: LineSegments2 | null = null;
 
-  constructor(private readonly stage: Stage) {
-    // A picture of its own, so that what measures or saves the picture below sees light alone.
-    stage.afterFrame.push(() => this.draw());
-  }
+  constructor(private readonly overlay: Overlay) {}
 
   /** Shows these and no others; the last lie on top. */
   show(beams: Beam[]): void {
-    this.lines?.removeFromParent();
-    this.lines?.geometry.dispose();
-    this.lines = beams.length ? new LineSegments2(this.geometry(beams), this.material) : null;
-    if (this.lines) {
-      this.lines.frustumCulled = false;
-      this.scene.add(this.lines);
-    }
-    this.stage.invalidate();
+    if (this.lines) this.overlay.remove(this.lines);
+    this.lines = null;
+    if (!beams.length) return;
+    this.lines = new LineSegments2(this.geometry(beams), this.material);
+    this.lines.frustumCulled = false;
+    this.lines.renderOrder = 1;
+    this.overlay.add(this.lines);
   }
 
   private geometry(beams: Beam[]): LineSegmentsGeometry {
@@ -49,14 +44,6 @@ export class Beams {
     const widths = Float32Array.from(all, ({ width }) => width);
     geometry.setAttribute("instanceWidth", new THREE.InstancedBufferAttribute(widths, 1));
     return geometry;
-  }
-
-  private draw(): void {
-    if (!this.lines) return;
-    const { renderer, camera } = this.stage;
-    renderer.autoClear = false;
-    renderer.render(this.scene, camera);
-    renderer.autoClear = true;
   }
 }
 

@@ -36,6 +36,8 @@ export class LitScene {
   readonly area: Float32Array;
   /** count x 3, unit. */
   readonly normal: Float32Array;
+  /** The largest extent of the patches, metres. */
+  readonly size: number;
   /** How much of each layer there is: layers x bands. Change it with `mix`. */
   readonly weights: Float32Array;
 
@@ -56,6 +58,7 @@ export class LitScene {
     this.reflectance = this.head.surfaces.map((surface) => surface.reflectance);
     this.weights = new Float32Array(packet.shape("emission")[0] * this.bands).fill(1);
     [this.isTriangle, this.area, this.normal] = shapes(this.polygons);
+    this.size = extent(this.polygons);
     this.takeLight(packet);
   }
 
@@ -149,6 +152,11 @@ export class LitScene {
       }
   }
 
+  /** Patches that emit when every layer is there once, as they were first; relighting does not make them others. */
+  get emitters(): Emitter[] {
+    return (this.firstEmitters ??= this.findEmitters());
+  }
+
   reflectanceOf(surface: number): number[] {
     return this.reflectance[surface];
   }
@@ -191,6 +199,19 @@ function tint(patch: number, channel: number): number {
   let h = Math.imul(patch + 1, 0x9e3779b1) ^ Math.imul(channel + 1, 0x85ebca6b);
   h = Math.imul(h ^ (h >>> 15), 0x2c1b3c6d);
   return 0.15 + 0.7 * (((h ^ (h >>> 12)) >>> 0) / 2 ** 32);
+}
+
+function extent(polygons: Float32Array): number {
+  let largest = 0;
+  for (let axis = 0; axis < 3; axis++) {
+    let [low, high] = [Infinity, -Infinity];
+    for (let i = axis; i < polygons.length; i += 3) {
+      if (polygons[i] < low) low = polygons[i];
+      if (polygons[i] > high) high = polygons[i];
+    }
+    largest = Math.max(largest, high - low);
+  }
+  return largest;
 }
 
 function shapes(polygons: Float32Array): [Uint8Array, Float32Array, Float32Array] {

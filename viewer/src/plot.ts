@@ -1,5 +1,7 @@
 // The error as it falls: a plot of curves over time with a logarithmic scale, as SVG.
 
+import { duration, percent } from "./figures";
+
 export interface Curve {
   name: string;
   /** A CSS class for its colour. */
@@ -41,19 +43,6 @@ export function linearTicks({ high }: Scale): number[] {
 export function logarithmicTicks({ low, high }: Scale): number[] {
   const first = Math.round(Math.log10(low));
   return Array.from({ length: Math.round(Math.log10(high)) - first + 1 }, (_, k) => Number(`1e${first + k}`));
-}
-
-/** A share as people write it: 12 %, 1.9 %, 0.05 %. */
-export function percent(share: number): string {
-  const value = 100 * share;
-  if (!Number.isFinite(value)) return "unknown";
-  return `${value >= 9.95 || value === 0 ? value.toFixed(0) : Number(value.toPrecision(2))} %`;
-}
-
-/** Seconds as people write them: 0.04 s, 3.2 s, 42 s, 2 min 5 s. */
-export function duration(seconds: number): string {
-  if (seconds >= 59.5) return `${Math.floor(Math.round(seconds) / 60)} min ${Math.round(seconds) % 60} s`;
-  return `${seconds >= 9.95 ? Math.round(seconds) : Number(seconds.toPrecision(2))} s`;
 }
 
 const WIDTH = 320;

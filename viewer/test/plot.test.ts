@@ -1,5 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { duration, linearScale, linearTicks, logarithmicScale, logarithmicTicks, percent } from "../src/plot";
+import { duration, figures, percent, whole } from "../src/figures";
+import { linearScale, linearTicks, logarithmicScale, logarithmicTicks } from "../src/plot";
 
 describe("scales of the plot", () => {
   test("logarithmic: whole decades around the values", () => {
@@ -35,5 +36,12 @@ describe("numbers for people", () => {
 
   test("seconds", () => {
     expect([0.0412, 3.24, 42.4, 125].map(duration)).toEqual(["0.041 s", "3.2 s", "42 s", "2 min 5 s"]);
+  });
+
+  test("values", () => {
+    expect([0, 0.012345, 1.2345, 123.45, 12345, 1.2345e-5, -2.5, 1.5e9, NaN].map(figures)).toEqual([
+      "0", "0.0123", "1.23", "123", "12,300", "1.23e-5", "−2.5", "1.50e9", "–",
+    ]);
+    expect(whole(12345.4)).toBe("12,345");
   });
 });

@@ -1,0 +1,27 @@
+// Numbers as people write them.
+
+/** A share as people write it: 12 %, 1.9 %, 0.05 %. */
+export function percent(share: number): string {
+  const value = 100 * share;
+  if (!Number.isFinite(value)) return "unknown";
+  return `${value >= 9.95 || value === 0 ? value.toFixed(0) : Number(value.toPrecision(2))} %`;
+}
+
+/** Seconds as people write them: 0.04 s, 3.2 s, 42 s, 2 min 5 s. */
+export function duration(seconds: number): string {
+  if (seconds >= 59.5) return `${Math.floor(Math.round(seconds) / 60)} min ${Math.round(seconds) % 60} s`;
+  return `${seconds >= 9.95 ? Math.round(seconds) : Number(seconds.toPrecision(2))} s`;
+}
+
+/** Three significant digits: 0.0123, 1.23, 123, 12,300, 1.23e-5. */
+export function figures(value: number): string {
+  if (!Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-4 || size >= 1e7)) return value.toExponential(2).replace("e+", "e");
+  return Number(value.toPrecision(3)).toLocaleString("en-GB", { maximumFractionDigits: 7 }).replace("-", "−");
+}
+
+/** A whole number: 12,345. */
+export function whole(value: number): string {
+  return Math.round(value).toLocaleString("en-GB");
+}
