@@ -4,7 +4,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Events } from "./events";
 import { LitScene } from "./light";
 import { Link } from "./link";
-import type { ToPage } from "./messages";
+import type { Head, ToPage } from "./messages";
 import type { Packet } from "./packet";
 import type { Settings } from "./settings";
 import { embedded, session } from "./source";
@@ -17,6 +17,8 @@ interface Happenings {
   /** The light on them is another: from the session, or mixed. */
   light: LitScene;
   settings: Settings;
+  /** A packet came and is shown. */
+  head: Head;
   message: ToPage;
   closed: undefined;
 }
@@ -58,6 +60,7 @@ export class App {
     if (packet.head.type === "light") {
       this.lit?.relight(packet);
       this.lightChanged();
+      this.events.emit("head", packet.head);
       return;
     }
     const isFirst = !this.lit;
@@ -70,6 +73,7 @@ export class App {
     }
     this.stage.show(this.lit);
     this.events.emit("scene", this.lit);
+    this.events.emit("head", packet.head);
   }
 
   private lightChanged(): void {

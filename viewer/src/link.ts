@@ -26,7 +26,10 @@ export class Link {
     };
   }
 
-  send(message: FromPage): void {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  /** Whether it went out. */
+  send(message: FromPage): boolean {
+    const isOpen = this.socket.readyState === WebSocket.OPEN;
+    if (isOpen) this.socket.send(JSON.stringify(message));
+    return isOpen;
   }
 }

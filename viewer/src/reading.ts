@@ -2,7 +2,7 @@
 
 import type { Point } from "./field";
 import type { LitScene, Spectra } from "./light";
-import { sources, total, type Row, type Source } from "./row";
+import { arrivals, sources, total, type Row, type Source } from "./row";
 
 export interface Place {
   patch: number;
@@ -42,10 +42,12 @@ export interface Reading {
   backs: number;
 }
 
-export function reading(lit: LitScene, { patch, point, st }: Place, row: Row | null): Reading {
+export function reading(
+  lit: LitScene, { patch, point, st }: Place, row: Row | null, arriving = row && arrivals(lit, row),
+): Reading {
   const surface = lit.head.surfaces[lit.surface[patch]];
   const mean = lit.of(patch);
-  const from = row ? named(lit, sources(lit, row)) : [];
+  const from = row && arriving ? named(lit, sources(lit, row, arriving)) : [];
   return {
     surface: surface.name,
     material: surface.material,

@@ -3,9 +3,15 @@
 import { Events } from "./events";
 import type { Relight } from "./messages";
 
-interface Answers {
+export interface Answer {
   /** Milliseconds from the question to its answer. */
-  answered: number;
+  took: number;
+  /** Seconds that finding the light took of it; null if it was not found. */
+  finding: number | null;
+}
+
+interface Answers {
+  answered: Answer;
   waiting: boolean;
 }
 
@@ -35,11 +41,11 @@ export class Relighting {
   }
 
   /** The light came, or it was said that it does not come. */
-  answered(): void {
+  answered(finding: number | null): void {
     if (this.asked === null) return;
     const took = this.now() - this.asked;
     this.asked = null;
-    this.events.emit("answered", took);
+    this.events.emit("answered", { took, finding });
     this.next();
   }
 

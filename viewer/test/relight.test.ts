@@ -16,9 +16,9 @@ test("one question is under way, and the last state gets asked", () => {
     relighting.ask();
   }
   expect(sent.map((message) => message.lamps["0"][0])).toEqual([0]);
-  relighting.answered();
+  relighting.answered(0.1);
   expect(sent.map((message) => message.lamps["0"][0])).toEqual([0, 9]);
-  relighting.answered();
+  relighting.answered(0.1);
   expect(sent.length).toBe(2);
   expect(relighting.isWaiting).toBe(false);
 });
@@ -33,12 +33,12 @@ test("paint and lamps go together, and what is as in the scene is left out", () 
 test("it says how long an answer took", () => {
   const { relighting, wait } = asked();
   const took: number[] = [];
-  relighting.events.on("answered", (milliseconds) => took.push(milliseconds));
+  relighting.events.on("answered", (answer) => took.push(answer.took, answer.finding ?? NaN));
   relighting.ask();
   wait(120);
-  relighting.answered();
-  relighting.answered(); // light that nobody asked for
-  expect(took).toEqual([120]);
+  relighting.answered(0.1);
+  relighting.answered(0.1); // light that nobody asked for
+  expect(took).toEqual([120, 0.1]);
 });
 
 test("what could not be sent is not waited for, and is sent when asked again", () => {
