@@ -25,3 +25,13 @@ export function figures(value: number): string {
 export function whole(value: number): string {
   return Math.round(value).toLocaleString("en-GB");
 }
+
+/** A form factor, whose small values count as well: 0.164, 0.0082, 0.00033. */
+export function factor(value: number): string {
+  return value >= 0.1 ? value.toFixed(3) : String(Number(value.toPrecision(2)));
+}
+
+/** A unit in print: W/m². */
+export function printed(unit: string): string {
+  return unit.replace("m2", "m²");
+}

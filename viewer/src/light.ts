@@ -66,6 +66,11 @@ export class LitScene {
     return this.weights.length / this.bands;
   }
 
+  /** Whether the light is another than that which was solved for, whose error is known. */
+  get isMixed(): boolean {
+    return this.weights.some((weight) => weight !== 1);
+  }
+
   /** Other light on the same patches. */
   relight(packet: Packet): void {
     if (packet.head.type !== "light") throw new Error("the packet holds no light");

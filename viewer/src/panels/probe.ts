@@ -4,13 +4,14 @@ import type { App } from "../app";
 import { Beams, type Beam } from "../beams";
 import { hex, hue } from "../colour";
 import { h } from "../dom";
-import { figures, percent, whole } from "../figures";
+import { factor as formFactor, figures, percent, printed, whole } from "../figures";
 import { Highlight } from "../highlight";
 import { Labels, type Label } from "../labels";
 import type { LitScene } from "../light";
 import type { Overlay } from "../overlay";
 import { disagreement, reading, type NamedSource, type Place, type Reading } from "../reading";
 import { arrivals, origins, RAYS, row, total, type Closest, type Origin, type Row } from "../row";
+import type { Settings } from "../settings";
 import "./probe.css";
 
 /** Lines that are drawn. */
@@ -33,6 +34,7 @@ export class Probe {
   private read: Reading | null = null;
   private origins: Origin[] = [];
   private pointed: number | null = null;
+  private isDue = false;
   private readonly beams: Beams;
   private readonly labels: Labels;
   private readonly highlight: Highlight;
@@ -41,24 +43,30 @@ export class Probe {
     private readonly app: App,
     overlay: Overlay,
     private readonly closest: Closest,
-    private readonly unit: () => { factor: number; name: string },
   ) {
     this.beams = new Beams(overlay);
     this.highlight = new Highlight(overlay);
     this.labels = new Labels(app.stage, app.root);
     app.events.on("scene", () => this.close());
-    app.events.on("light", () => this.refresh());
-    app.events.on("settings", () => this.show());
+    app.events.on("light", () => this.soon());
+    app.events.on("settings", () => this.soon());
   }
 
-  /** Reads the light at a place. */
-  open(place: Place): Reading {
+  /** Reads the light at a place, and asks rays where it is from as soon as that is shown. */
+  open(place: Place): void {
     this.lit = this.app.lit!;
     this.place = place;
     this.pointed = null;
-    this.measure();
+    this.row = null;
+    this.refresh();
     this.onToggle(true);
-    return this.read!;
+    this.soon();
+  }
+
+  /** What it reads, with all that is still to be found. */
+  get reading(): Reading | null {
+    if (this.isDue || !this.row) this.update();
+    return this.read;
   }
 
   close(): void {
@@ -74,6 +82,19 @@ export class Probe {
     return this.place !== null;
   }
 
+  /** Once after the next picture: while a lamp is dimmed light changes more often than anybody sees. */
+  private soon(): void {
+    if (this.isDue) return;
+    this.isDue = true;
+    requestAnimationFrame(() => setTimeout(() => this.update()));
+  }
+
+  private update(): void {
+    this.isDue = false;
+    if (this.row) this.refresh();
+    else this.measure();
+  }
+
   /** Sends the rays. */
   private measure(): void {
     const { lit, place } = this;
@@ -85,10 +106,10 @@ export class Probe {
   /** The same rays in the light as it is now. */
   private refresh(): void {
     const { lit, place, row } = this;
-    if (!lit || !place || !row) return;
-    const arriving = arrivals(lit, row);
+    if (!lit || !place) return;
+    const arriving = row && arrivals(lit, row);
     this.read = reading(lit, place, row, arriving);
-    this.origins = origins(lit, row, BEAMS, arriving);
+    this.origins = row && arriving ? origins(lit, row, BEAMS, arriving) : [];
     this.show();
   }
 
@@ -112,11 +133,12 @@ export class Probe {
   }
 
   private values(read: Reading): HTMLElement {
-    const { factor, name } = this.unit();
+    const { factor, name } = unit(this.lit!, this.app.stage.settings);
     const { mean } = read;
     const row = (title: string, values: number[], kind = "", scale = factor) =>
       h("tr", { className: kind }, h("th", { scope: "row" }, title), ...values.map((x) => h("td", {}, figures(scale * x))));
-    const error = Number.isFinite(read.relativeError) ? ` (${percent(read.relativeError)})` : "";
+    const share = Number.isFinite(read.relativeError) ? ` (${percent(read.relativeError)})` : "";
+    const error = this.lit!.isMixed ? "Error ± as solved" : `Error ±${share}`;
     return h(
       "div", { className: "scroll" },
       h(
@@ -126,7 +148,7 @@ export class Probe {
           "tbody", {},
           row("Irradiance", read.irradiance), row("mean of patch", mean.irradiance, "minor"),
           row("Radiosity", read.radiosity), row("mean of patch", mean.radiosity, "minor"),
-          row(`Error ±${error}`, mean.error), row("Emission", mean.emission), row("Reflectance", mean.reflectance, "", 1),
+          row(error, mean.error), row("Emission", mean.emission), row("Reflectance", mean.reflectance, "", 1),
         ),
       ),
     );
@@ -134,6 +156,7 @@ export class Probe {
 
   /** Where it comes from. */
   private light(read: Reading): HTMLElement[] {
+    if (!this.row) return [h("p", { className: "rest" }, "Asking rays where its light comes from …")];
     const rest = read.sources.slice(LISTED);
     const list = h("ol", { className: "sources" }, ...read.sources.slice(0, LISTED).map((source) => this.source(source)));
     if (rest.length) list.append(h("li", { className: "rest" }, this.rest(rest)));
@@ -143,9 +166,9 @@ export class Probe {
   private source({ surface, name, share, factor, irradiance }: NamedSource): HTMLElement {
     const button = h(
       "button",
-      { type: "button", title: `form factor ${figures(factor)}` },
+      { type: "button", title: `form factor ${formFactor(factor)}` },
       swatch(hue(irradiance)), h("span", { className: "name" }, name), h("span", { className: "share" }, percent(share)),
-      h("span", { className: "factor" }, `F ${factor.toFixed(3)}`),
+      h("span", { className: "factor" }, `F ${formFactor(factor)}`),
     );
     button.dataset.surface = String(surface);
     button.style.setProperty("--share", share.toFixed(4));
@@ -160,12 +183,12 @@ export class Probe {
   }
 
   private balance(read: Reading): HTMLElement {
-    const { factor, name } = this.unit();
+    const { factor, name } = unit(this.lit!, this.app.stage.settings);
     const mean = (spectrum: number[]) => `${figures((factor * total(spectrum)) / spectrum.length)} ${name}`;
     const off = disagreement(read);
     const differs = Number.isFinite(off) ? ` (${off < 0 ? "−" : "+"}${percent(Math.abs(off))})` : "";
     const dark = [["outside", read.outside], ["backs of surfaces", read.backs]] as const;
-    const lost = dark.filter(([, share]) => share > 0).map(([what, share]) => `${what}: F ${share.toFixed(3)}`);
+    const lost = dark.filter(([, share]) => share > 0).map(([what, share]) => `${what}: F ${formFactor(share)}`);
     const lights = this.lit!.head.lamps.some((lamp) => lamp.lights.length);
     return h(
       "footer", {},
@@ -215,6 +238,11 @@ export class Probe {
       { point: place.point, text: "", kind: "mark" }, ...lines.slice(0, pointed === null ? LABELS : BEAMS).map(label),
     ]);
   }
+}
+
+function unit(lit: LitScene, settings: Settings): { factor: number; name: string } {
+  void settings;
+  return { factor: 1, name: printed(lit.head.unit) };
 }
 
 function bandNames(lit: LitScene): HTMLElement[] {
