@@ -16,6 +16,8 @@ interface Changes {
 /** Paint reflects less than all light, as the solver wants it. */
 export const MOST_REFLECTANCE = 0.99;
 
+const HINT = "To switch lamps, export the scene with --layers, or open it through `radiosity view room.glb`.";
+
 export class Control {
   readonly events = new Events<Changes>();
   readonly relighting: Relighting;
@@ -54,7 +56,8 @@ export class Control {
 
   /** Why lamps cannot be switched; empty if they can. */
   get lampsFixed(): string {
-    return this.isLayered ? "" : this.paintFixed && this.withHint(this.paintFixed);
+    if (this.isLayered || !this.paintFixed) return "";
+    return this.app.link ? this.paintFixed : `${this.paintFixed} ${HINT}`;
   }
 
   /** Why nothing can be painted; empty if it can. */
@@ -128,9 +131,5 @@ export class Control {
       if (paint.size || lamps.size) this.relighting.ask();
     }
     this.events.emit("means", undefined);
-  }
-
-  private withHint(reason: string): string {
-    return `${reason} To switch lamps, open the scene with --layers, or through \`radiosity view room.glb\`.`;
   }
 }

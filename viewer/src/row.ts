@@ -140,9 +140,10 @@ function smallEmitters(lit: LitScene, start: Point, normal: Point): Emitters {
     const square = dot(to, to);
     if (lit.area[patch] > SMALL * square) continue;
     const facing = -dot(to, normalOf(lit, patch)) / Math.sqrt(square);
+    if (facing <= 0) continue;
     // Over a patch the cosine at the point is largest at a corner; where that is behind, all of it is.
     const high = Math.max(...[0, 1, 2, 3].map((k) => dot(minus(cornerOf(lit, patch, k), start), normal)));
-    if (facing <= 0 || high <= 0) continue;
+    if (high <= 0) continue;
     patches.push(patch);
     weights.push((emission * lit.area[patch] * facing * high) / (square * Math.sqrt(square)));
     isSmall[patch] = 1;
