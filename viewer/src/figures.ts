@@ -13,12 +13,14 @@ export function duration(seconds: number): string {
   return `${seconds >= 9.95 ? Math.round(seconds) : Number(seconds.toPrecision(2))} s`;
 }
 
-/** Three significant digits: 0.0123, 1.23, 123, 12,300, 1.23e-5. */
+/** Three significant digits: 0.0123, 1.20, 123, 12,300, 1.23e-5; zero is 0. */
 export function figures(value: number): string {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-4 || size >= 1e7)) return value.toExponential(2).replace("e+", "e");
-  return Number(value.toPrecision(3)).toLocaleString("en-GB", { maximumFractionDigits: 7 }).replace("-", "−");
+  if (size === 0) return "0";
+  if (size < 1e-4 || size >= 1e7) return value.toExponential(2).replace("e+", "e").replace(/^-/, "−");
+  const digits = { minimumSignificantDigits: 3, maximumSignificantDigits: 3 };
+  return value.toLocaleString("en-GB", digits).replace("-", "−");
 }
 
 /** A whole number: 12,345. */

@@ -6,7 +6,7 @@ test("a report is a line and a table, of what it has", () => {
   expect(reportLine(report, "3.2 s")).toBe("1.9 % estimated error, 4,812 patches, 3.2 s");
   expect(reportLine({}, "")).toBe("");
   expect(reportLines(report)).toEqual([
-    ["Estimated error", "1.9 % of the mean irradiance"], ["Emitted", "R 1, G 2 W"], ["Patches", "4,812"],
+    ["Estimated error", "1.9 % of the mean irradiance"], ["Emitted", "R 1.00, G 2.00 W"], ["Patches", "4,812"],
   ]);
   expect(reportLines({})).toEqual([]);
 });

@@ -18,7 +18,7 @@ export class Progress {
   private readonly bar = h("progress", { max: 1 });
   private readonly stop = h("button", { type: "button" }, "Stop");
   private readonly figure = h("figure", {});
-  private readonly details = h("details", {}, h("summary", {}, "Report"));
+  private readonly details = h("details", {}, h("summary", {}, "How it was found"));
   private readonly table = h("table", {});
   private readonly history: Convergence[] = [];
   private status: Status | null = null;
@@ -78,9 +78,12 @@ export class Progress {
     this.line.textContent = isWorking ? this.now(status!) : this.summary();
     this.isDrawn = true;
     this.figure.hidden = history.length < 2;
+    // In sight while it grows; then what is left is one line.
+    if (isWorking) this.details.before(this.figure);
+    else this.table.before(this.figure);
     if (!this.figure.hidden) this.figure.replaceChildren(...this.picture());
     const lines = reportLines(this.report);
-    this.details.hidden = !lines.length;
+    this.details.hidden = !lines.length && (isWorking || this.figure.hidden);
     this.table.replaceChildren(
       h("tbody", {}, ...lines.map(([label, text]) => h("tr", {}, h("th", { scope: "row" }, label), h("td", {}, text)))),
     );
