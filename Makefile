@@ -20,7 +20,7 @@ TESTED_CRATES := --workspace --exclude radiosity-python  # an extension module c
 # The same interpreter for every build, so that Rust does not rebuild what knows about Python.
 export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
-.PHONY: help setup viewer demo test test-rust test-python check bench validate lock clean
+.PHONY: help setup viewer demo test test-rust test-viewer test-python check bench validate dist lock clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -29,29 +29,37 @@ setup: $(NATIVE) $(PAGE) ## Make .venv with pinned tools, build the extension in
 
 viewer: $(PAGE) ## Build the page of the viewer.
 
-demo: $(NATIVE) ## Light the Cornell box: model, picture and table in out/.
+demo: $(NATIVE) $(PAGE) ## Light the Cornell box: model, picture and table in out/.
 	$(BIN)/radiosity demo
 
-test: test-rust test-python ## Run all tests: Rust, Python, examples and the fast part of validation/.
+test: test-rust test-viewer test-python ## Run all tests: Rust, the viewer's page, Python, examples and the fast part of validation/.
 
 test-rust: $(TOOLS)
 	cargo test --locked --quiet $(TESTED_CRATES)
 
-test-python: $(NATIVE)
+test-viewer: $(PACKAGES)
+	npm --prefix viewer run --silent test
+
+test-python: $(NATIVE) $(PAGE)
 	$(BIN)/pytest -m "not slow" tests validation
 
-check: $(TOOLS) ## Check formats, lints and types.
+check: $(TOOLS) $(PACKAGES) ## Check formats, lints and types.
 	cargo fmt --all --check
 	cargo clippy --locked --quiet --workspace --all-targets -- -D warnings
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	npm --prefix viewer run --silent check
 
 validate: $(NATIVE) ## Run all of validation/: is it true?
 	$(BIN)/pytest validation
 
 bench: $(NATIVE) ## Time it beside other programs (see benchmarks/README.md).
 	$(BIN)/python benchmarks/cornell.py
+
+dist: $(TOOLS) $(PAGE) ## Make a source distribution and a wheel in dist/.
+	$(BIN)/maturin sdist --out dist
+	$(BIN)/maturin build --release --locked --out dist
 
 lock: ## Pin the newest tools that pyproject.toml allows in requirements-dev.lock.
 	@folder=$$(mktemp -d) && trap 'rm -rf "$$folder"' EXIT && $(PYTHON) -m venv "$$folder" \
@@ -62,6 +70,7 @@ lock: ## Pin the newest tools that pyproject.toml allows in requirements-dev.loc
 
 clean: ## Remove everything that was built, .venv included.
 	rm -rf target $(VENV) out validation/out dist .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf viewer/node_modules python/radiosity/viewer/bundle
 	find python -name '*.so' -delete
 	find python tests validation examples -name __pycache__ -type d -prune -exec rm -rf {} +
 

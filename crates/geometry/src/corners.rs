@@ -7,8 +7,10 @@
 
 use std::f64::consts::PI;
 
-use crate::{Chart, DVec3, Patches};
+use glam::DVec2;
 use rayon::prelude::*;
+
+use crate::{Chart, DVec3, Patches};
 
 /// Which corners of patches belong together: they meet in a point and are joined by edges that are no creases.
 ///
@@ -31,9 +33,6 @@ pub struct Corners<'a> {
 
 /// Creases are edges of at least this angle unless said otherwise: 30 degrees, in radians.
 pub const CREASE_ANGLE: f64 = PI / 6.0;
-
-/// Slopes whose neighbours lie on one line, to this share of their spread, are found along that line only.
-const COLLINEAR: f64 = 1e-6;
 
 impl<'a> Corners<'a> {
     /// Finds the corners that belong together; `crease_angle` is in radians.
@@ -125,39 +124,112 @@ impl<'a> Corners<'a> {
     }
 
     /// The slopes in the plane of a patch that fit the values around it best; near ones count more.
+    ///
+    /// Near and far are measured by the patch's own shape. What is much nearer than its corners, as slivers are, says
+    /// little of its slope, and where nothing else lies in a direction there is none.
     fn slopes_of(&self, patch: usize, values: &[f64], slopes: &mut [DVec3]) {
         let columns = slopes.len();
-        let normal = self.patches.normal[patch];
-        if self.patches.area[patch] <= 0.0 {
-            return;
-        }
-        let (u, v) = normal.any_orthonormal_pair();
-        let (mut uu, mut uv, mut vv) = (0.0, 0.0, 0.0);
+        let Some(shape) = Shape::of(self.patches, patch) else { return };
+        let mut spread = Symmetric::default();
         // Patches that share an edge come twice, as they should: they tell more than those that share a corner.
         for other in self.around(patch).filter(|&other| other != patch && self.patches.area[other] > 0.0) {
-            let d = self.patches.centre[other] - self.patches.centre[patch];
-            let (x, y) = (d.dot(u), d.dot(v));
-            let weight = 1.0 / d.length_squared();
-            uu += weight * x * x;
-            uv += weight * x * y;
-            vv += weight * y * y;
+            let d = shape.measured(self.patches.centre[other] - self.patches.centre[patch]);
+            let weight = 1.0 / d.length_squared().max(TOO_NEAR * TOO_NEAR);
+            spread.add(weight, d);
             for (k, slope) in slopes.iter_mut().enumerate() {
-                *slope += weight * (values[other * columns + k] - values[patch * columns + k]) * (x * u + y * v);
+                let rise = values[other * columns + k] - values[patch * columns + k];
+                *slope += (weight * rise * d).extend(0.0);
             }
         }
-        let (trace, determinant) = (uu + vv, uu * vv - uv * uv);
+        let inverse = spread.pseudoinverse(LEAST_SPREAD);
         for slope in slopes {
-            let (p, q) = (slope.dot(u), slope.dot(v));
-            let (x, y) = if determinant > COLLINEAR * trace * trace {
-                ((vv * p - uv * q) / determinant, (uu * q - uv * p) / determinant)
-            } else if trace > 0.0 {
-                // The matrix has rank one; its pseudoinverse is itself over the square of its trace.
-                ((uu * p + uv * q) / (trace * trace), (uv * p + vv * q) / (trace * trace))
-            } else {
-                (0.0, 0.0)
-            };
-            *slope = x * u + y * v;
+            *slope = shape.slope(inverse.times(slope.truncate()));
         }
+    }
+}
+
+/// Neighbours whose centres are nearer than this, in distances of the patch's own corners, count less.
+const TOO_NEAR: f64 = 0.25;
+
+/// Neighbours in a direction, at such distances that each counts one, must count at least this together.
+const LEAST_SPREAD: f64 = 0.1;
+
+/// What makes the corners of a patch lie one from its centre, on average in every direction.
+struct Shape {
+    u: DVec3,
+    v: DVec3,
+    /// The inverse of the lower triangular root of the corners' covariance: its first column, and the last entry.
+    inverse: [f64; 3],
+}
+
+impl Shape {
+    /// None if the patch has no area.
+    fn of(patches: &Patches, patch: usize) -> Option<Self> {
+        if patches.area[patch] <= 0.0 {
+            return None;
+        }
+        let (u, v) = patches.normal[patch].any_orthonormal_pair();
+        let corners = patches.corners(patch);
+        let (mut uu, mut uv, mut vv) = (0.0, 0.0, 0.0);
+        for corner in corners {
+            let d = *corner - patches.centre[patch];
+            let (x, y) = (d.dot(u), d.dot(v));
+            uu += x * x / corners.len() as f64;
+            uv += x * y / corners.len() as f64;
+            vv += y * y / corners.len() as f64;
+        }
+        let first = uu.sqrt();
+        let last = (vv - uv * uv / uu).sqrt();
+        // Slivers may be too thin for rounding.
+        (last > 0.0).then(|| Self { u, v, inverse: [1.0 / first, -uv / (uu * last), 1.0 / last] })
+    }
+
+    /// A vector in this measure.
+    fn measured(&self, d: DVec3) -> DVec2 {
+        let (x, y) = (d.dot(self.u), d.dot(self.v));
+        let [a, b, c] = self.inverse;
+        DVec2::new(a * x, b * x + c * y)
+    }
+
+    /// The slope in space of a slope in this measure.
+    fn slope(&self, s: DVec2) -> DVec3 {
+        let [a, b, c] = self.inverse;
+        (a * s.x + b * s.y) * self.u + c * s.y * self.v
+    }
+}
+
+/// A symmetric matrix of two rows.
+#[derive(Clone, Copy, Debug, Default)]
+struct Symmetric {
+    xx: f64,
+    xy: f64,
+    yy: f64,
+}
+
+impl Symmetric {
+    /// Adds `weight d d^T`.
+    fn add(&mut self, weight: f64, d: DVec2) {
+        self.xx += weight * d.x * d.x;
+        self.xy += weight * d.x * d.y;
+        self.yy += weight * d.y * d.y;
+    }
+
+    fn times(&self, d: DVec2) -> DVec2 {
+        DVec2::new(self.xx * d.x + self.xy * d.y, self.xy * d.x + self.yy * d.y)
+    }
+
+    /// The inverse on the directions whose eigenvalue is at least `least`, zero on others.
+    fn pseudoinverse(&self, least: f64) -> Self {
+        let mean = 0.5 * (self.xx + self.yy);
+        let half = 0.5 * (self.xx - self.yy);
+        let radius = half.hypot(self.xy);
+        let of = |eigenvalue: f64| if eigenvalue >= least { 1.0 / eigenvalue } else { 0.0 };
+        let (large, small) = (of(mean + radius), of(mean - radius));
+        if radius == 0.0 {
+            return Self { xx: large, xy: 0.0, yy: large };
+        }
+        let (mean, half_difference) = (0.5 * (large + small), 0.5 * (large - small) / radius);
+        Self { xx: mean + half_difference * half, xy: half_difference * self.xy, yy: mean - half_difference * half }
     }
 }
 

@@ -109,3 +109,24 @@ proptest! {
         prop_assert!(weights.iter().all(|&w| w >= -1e-12));
     }
 }
+
+#[test]
+fn slivers_do_not_throw_the_field_out_of_bounds() {
+    // A square, slivers of many widths beside it with values of their own, and a square behind them.
+    for width in [1e-2, 1e-4, 1e-6, 1e-9, 1e-13] {
+        let column = |from: f64, to: f64, low: f64, high: f64| {
+            [DVec3::new(from, low, 0.0), DVec3::new(to, low, 0.0), DVec3::new(to, high, 0.0), DVec3::new(from, high, 0.0)]
+        };
+        let (a, b) = (1.0 + width, 1.0 + 2.0 * width);
+        let slanted = [DVec3::new(b, 0.0, 0.0), DVec3::new(b + width, 1.0, 0.0), DVec3::new(b, 1.0, 0.0)];
+        let patches = patches_of(&[
+            column(0.0, 1.0, 0.0, 1.0),
+            column(1.0, a, 0.0, 1.0),
+            column(a, b, 0.0, 1.0),
+            [slanted[0], slanted[1], slanted[2], slanted[2]],
+            column(0.0, 1.0, 1.0, 2.0),
+        ]);
+        let corners = Corners::new(&patches, CREASE_ANGLE).field(&[1.0, 3.0, -2.0, 4.0, 2.0], 1);
+        assert!(corners.iter().all(|c| c.abs() < 30.0), "{width}: {corners:?}");
+    }
+}
