@@ -8,7 +8,11 @@ import type { Head, ToPage } from "./messages";
 import type { Packet } from "./packet";
 import type { Settings } from "./settings";
 import { embedded, session } from "./source";
+import { LightPanels } from "./panels/light";
+import { Rays } from "./rays";
 import { Stage } from "./stage";
+import { Sidebar } from "./ui";
+import type { Unit } from "./units";
 import "./style.css";
 
 interface Happenings {
@@ -27,12 +31,18 @@ export class App {
   readonly events = new Events<Happenings>();
   readonly canvas = document.createElement("canvas");
   readonly stage: Stage;
+  readonly rays: Rays;
+  readonly sidebar: Sidebar;
+  readonly light: LightPanels;
   lit: LitScene | null = null;
   link: Link | null = null;
 
   constructor(readonly root: HTMLElement) {
     root.append(this.canvas);
     this.stage = new Stage(this.canvas);
+    this.rays = new Rays(this.stage);
+    this.sidebar = new Sidebar(root);
+    this.light = new LightPanels(this, this.sidebar, this.rays);
     new ResizeObserver(() => this.stage.resize(this.canvas.clientWidth, this.canvas.clientHeight)).observe(this.canvas);
   }
 
@@ -67,6 +77,7 @@ export class App {
     this.lit = new LitScene(packet);
     document.title = this.lit.head.title;
     if (isFirst) {
+      this.set({ unit: this.lit.head.unit as Unit });
       this.stage.lookThrough(this.lit.head.cameras[0]);
       const controls = new OrbitControls(this.stage.camera, this.canvas);
       controls.addEventListener("change", () => this.stage.invalidate());

@@ -2,6 +2,7 @@
 
 import type { App } from "./app";
 import { h } from "./dom";
+import { button } from "./ui";
 import "./notices.css";
 
 /** More than these at once would hide the picture. */
@@ -18,9 +19,9 @@ export class Notices {
   }
 
   say(text: string): void {
-    const close = h("button", { type: "button", className: "plain", ariaLabel: "Dismiss" }, "×");
+    const close = button({ label: "×", title: "Dismiss" }, () => notice.remove());
+    close.className = "plain";
     const notice = h("div", { className: "notice" }, h("p", {}, text), close);
-    close.onclick = () => notice.remove();
     this.root.append(notice);
     while (this.root.children.length > MOST) this.root.firstElementChild!.remove();
   }

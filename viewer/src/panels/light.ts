@@ -6,6 +6,7 @@ import { Notices } from "../notices";
 import { Overlay } from "../overlay";
 import type { Rays } from "../rays";
 import type { Reading } from "../reading";
+import type { Sidebar } from "../ui";
 import { Lamps } from "./lamps";
 import { Paint } from "./paint";
 import { Probe } from "./probe";
@@ -24,7 +25,11 @@ export class LightPanels {
   readonly paint: Paint;
   readonly progress: Progress;
 
-  constructor(private readonly app: App, private readonly rays: Rays) {
+  constructor(
+    private readonly app: App,
+    sidebar: Sidebar,
+    private readonly rays: Rays,
+  ) {
     const overlay = new Overlay(app.stage);
     this.control = new Control(app);
     this.progress = new Progress(app, this.control);
@@ -32,6 +37,7 @@ export class LightPanels {
     this.paint = new Paint(app, this.control, overlay);
     this.probe = new Probe(app, overlay, (origin, direction) => rays.closest(origin, direction));
     new Notices(app);
+    this.fill(sidebar);
     this.listen();
   }
 
@@ -47,6 +53,21 @@ export class LightPanels {
   read(x: number, y: number): Reading | null {
     this.click(x, y);
     return this.probe.reading;
+  }
+
+  /** A panel is there while it has something to say. */
+  private fill(sidebar: Sidebar): void {
+    sidebar.add("Solution", this.progress.element);
+    const probe = sidebar.add("Probe", this.probe.element);
+    const lamps = sidebar.add("Lamps", this.lamps.element);
+    const paint = sidebar.add("Paint", this.paint.element, false);
+    probe.isThere = lamps.isThere = paint.isThere = false;
+    this.probe.onToggle = (isOpen) => (probe.isThere = isOpen);
+    this.app.events.on("scene", ({ head }) => {
+      sidebar.title = head.title;
+      lamps.isThere = head.lamps.length > 0;
+      paint.isThere = this.app.link !== null;
+    });
   }
 
   /** A click is a pointer that goes down and up again without having moved. */

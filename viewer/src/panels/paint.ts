@@ -8,6 +8,7 @@ import { duration } from "../figures";
 import { Highlight } from "../highlight";
 import type { Overlay } from "../overlay";
 import type { Answer } from "../relight";
+import { button, colourField, numberField, slider } from "../ui";
 import "./paint.css";
 
 export class Paint {
@@ -80,17 +81,16 @@ export class Paint {
     const { bands, surfaces } = app.lit.head;
     const now = control.relighting.paint.get(surface) ?? app.lit.reflectanceOf(surface);
     const sliders = now.map((value, band) => new Band(bands[band], value, () => this.take(sliders.map((s) => s.value))));
-    const picker = h("input", { type: "color", value: hex(now), "aria-label": "Colour of the paint" });
-    picker.oninput = () => {
-      sliders.forEach((slider, band) => (slider.value = Math.min(linear(picker.value)[band], MOST_REFLECTANCE)));
+    const picker = colourField({ label: "Colour of the paint" }, (colour) => {
+      sliders.forEach((slider, band) => (slider.value = Math.min(linear(colour)[band], MOST_REFLECTANCE)));
       this.take(sliders.map((slider) => slider.value));
-    };
-    const reset = h("button", { type: "button", className: "plain" }, "As in the scene");
-    reset.disabled = !control.relighting.paint.has(surface);
-    reset.onclick = () => {
+    });
+    picker.value = hex(now);
+    const reset = button({ label: "As in the scene" }, () => {
       reset.blur();
       control.paint(surface, null);
-    };
+    });
+    reset.disabled = !control.relighting.paint.has(surface);
     this.fields.replaceChildren(
       h("div", { className: "chosen" }, h("strong", {}, surfaces[surface].name), bands.length === 3 && picker, reset),
       ...sliders.map(({ element }) => element),
@@ -111,21 +111,18 @@ export class Paint {
 /** Reflectance of one band, by slider or number. */
 class Band {
   readonly element: HTMLElement;
-  private readonly slider = h("input", { type: "range", min: "0", max: String(MOST_REFLECTANCE), step: "0.01" });
-  private readonly number = h("input", { type: "number", min: "0", max: String(MOST_REFLECTANCE), step: "0.01" });
+  private readonly slider: HTMLInputElement;
+  private readonly number: HTMLInputElement;
 
   constructor(name: string, value: number, changed: () => void) {
+    const range = { min: 0, max: MOST_REFLECTANCE, step: 0.01 };
+    const take = (value: number) => {
+      this.value = value;
+      changed();
+    };
+    this.slider = slider({ label: `Reflectance ${name}`, ...range }, take);
+    this.number = numberField({ label: `Reflectance ${name}, number`, ...range, step: "any" }, take);
     this.value = value;
-    this.slider.ariaLabel = `Reflectance ${name}`;
-    this.number.ariaLabel = `Reflectance ${name}, number`;
-    this.slider.oninput = () => {
-      this.value = this.slider.valueAsNumber;
-      changed();
-    };
-    this.number.onchange = () => {
-      this.value = Math.min(Math.max(this.number.valueAsNumber || 0, 0), MOST_REFLECTANCE);
-      changed();
-    };
     this.element = h("div", { className: "band" }, h("span", {}, name), this.slider, this.number);
   }
 

@@ -11,7 +11,8 @@ import type { LitScene } from "../light";
 import type { Overlay } from "../overlay";
 import { disagreement, reading, type NamedSource, type Place, type Reading } from "../reading";
 import { arrivals, origins, RAYS, row, total, type Closest, type Origin, type Row } from "../row";
-import type { Settings } from "../settings";
+import { select } from "../ui";
+import { conversion, scalar, type Unit } from "../units";
 import "./probe.css";
 
 /** Lines that are drawn. */
@@ -78,6 +79,10 @@ export class Probe {
     this.onToggle(false);
   }
 
+  private get unit(): Unit {
+    return this.app.stage.settings.unit;
+  }
+
   get isOpen(): boolean {
     return this.place !== null;
   }
@@ -133,7 +138,8 @@ export class Probe {
   }
 
   private values(read: Reading): HTMLElement {
-    const { factor, name } = unit(this.lit!, this.app.stage.settings);
+    const { unit } = this;
+    const factor = conversion(this.lit!.head.unit, unit);
     const { mean } = read;
     const row = (title: string, values: number[], kind = "", scale = factor) =>
       h("tr", { className: kind }, h("th", { scope: "row" }, title), ...values.map((x) => h("td", {}, figures(scale * x))));
@@ -143,7 +149,7 @@ export class Probe {
       "div", { className: "scroll" },
       h(
         "table", {},
-        h("thead", {}, h("tr", {}, h("th", { scope: "col" }, name), ...bandNames(this.lit!))),
+        h("thead", {}, h("tr", {}, h("th", { scope: "col" }, printed(unit)), ...bandNames(this.lit!))),
         h(
           "tbody", {},
           row("Irradiance", read.irradiance), row("mean of patch", mean.irradiance, "minor"),
@@ -183,8 +189,9 @@ export class Probe {
   }
 
   private balance(read: Reading): HTMLElement {
-    const { factor, name } = unit(this.lit!, this.app.stage.settings);
-    const mean = (spectrum: number[]) => `${figures((factor * total(spectrum)) / spectrum.length)} ${name}`;
+    const { unit } = this;
+    const factor = conversion(this.lit!.head.unit, unit);
+    const value = (spectrum: number[]) => `${figures(factor * scalar(unit, spectrum))} ${printed(unit)}`;
     const off = disagreement(read);
     const differs = Number.isFinite(off) ? ` (${off < 0 ? "−" : "+"}${percent(Math.abs(off))})` : "";
     const dark = [["outside", read.outside], ["backs of surfaces", read.backs]] as const;
@@ -192,7 +199,7 @@ export class Probe {
     const lights = this.lit!.head.lamps.some((lamp) => lamp.lights.length);
     return h(
       "footer", {},
-      h("p", {}, `All of it: ${mean(read.gathered)}; the field says ${mean(read.irradiance)}${differs}.`),
+      h("p", {}, `All of it: ${value(read.gathered)}; the field says ${value(read.irradiance)}${differs}.`),
       lost.length > 0 && h("p", {}, `${lost.join(", ")}.`),
       lights && h("p", {}, "Lights without area are not among the surfaces."),
       h("label", {}, "Rays ", this.rayChoice()),
@@ -200,14 +207,13 @@ export class Probe {
   }
 
   private rayChoice(): HTMLElement {
-    const options = [1024, 4096, 16384, 65536];
-    const select = h("select", {}, ...options.map((n) => h("option", { value: String(n) }, whole(n))));
-    select.value = String(this.rays);
-    select.onchange = () => {
-      this.rays = Number(select.value);
+    const options = [1024, 4096, 16384, 65536].map((n) => [String(n), whole(n)] as const);
+    const choice = select({ label: "Rays", title: "More of them are slower and less noisy" }, options, (value) => {
+      this.rays = Number(value);
       this.measure();
-    };
-    return select;
+    });
+    choice.value = String(this.rays);
+    return choice;
   }
 
   private point(surface: number | null): void {
@@ -238,11 +244,6 @@ export class Probe {
       { point: place.point, text: "", kind: "mark" }, ...lines.slice(0, pointed === null ? LABELS : BEAMS).map(label),
     ]);
   }
-}
-
-function unit(lit: LitScene, settings: Settings): { factor: number; name: string } {
-  void settings;
-  return { factor: 1, name: printed(lit.head.unit) };
 }
 
 function bandNames(lit: LitScene): HTMLElement[] {

@@ -7,6 +7,7 @@ import { duration, percent, whole } from "../figures";
 import type { Convergence, Head, Status } from "../messages";
 import { plot, type Curve } from "../plot";
 import { reportLine, reportLines, type Report } from "../report";
+import { button } from "../ui";
 import "./progress.css";
 
 /** Names of the curves by stage. */
@@ -16,7 +17,7 @@ export class Progress {
   readonly element = h("div", { className: "progress" });
   private readonly line = h("p", { className: "line", role: "status" });
   private readonly bar = h("progress", { max: 1 });
-  private readonly stop = h("button", { type: "button" }, "Stop");
+  private readonly stop: HTMLButtonElement;
   private readonly figure = h("figure", {});
   private readonly details = h("details", {}, h("summary", {}, "How it was found"));
   private readonly table = h("table", {});
@@ -27,11 +28,10 @@ export class Progress {
   private isDrawn = true;
 
   constructor(app: App, control: Control) {
-    this.stop.title = "What was found so far stays";
-    this.stop.onclick = () => {
+    this.stop = button({ label: "Stop", title: "What was found so far stays" }, () => {
       this.stop.disabled = true;
       control.stop();
-    };
+    });
     this.details.append(this.table);
     this.element.append(h("div", { className: "working" }, this.bar, this.stop), this.line, this.figure, this.details);
     app.events.on("head", (head) => this.takeHead(head));
