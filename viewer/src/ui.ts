@@ -32,6 +32,12 @@ export class Panel {
   }
 }
 
+/** Pixels of a panel that must be in sight. */
+const LEAST = 160;
+
+/** Pixels that the heading of the sidebar covers. */
+const HEADING = 40;
+
 /** All panels; beside the picture, or a sheet below it where that is narrow. */
 export class Sidebar {
   readonly element = h("aside", { className: "sidebar", id: "sidebar", "aria-label": "Panels" });
@@ -56,6 +62,12 @@ export class Sidebar {
     const panel = new Panel(title, body, isOpen);
     this.element.append(panel.element);
     return panel;
+  }
+
+  /** Scrolls to a panel unless it can be seen. */
+  show(panel: Panel): void {
+    const [own, all] = [panel.element.getBoundingClientRect(), this.element.getBoundingClientRect()];
+    if (own.top + LEAST > all.bottom || own.top < all.top) this.element.scrollTop += own.top - all.top - HEADING;
   }
 
   get isOpen(): boolean {

@@ -62,7 +62,10 @@ export class LightPanels {
     const lamps = sidebar.add("Lamps", this.lamps.element);
     const paint = sidebar.add("Paint", this.paint.element, false);
     probe.isThere = lamps.isThere = paint.isThere = false;
-    this.probe.onToggle = (isOpen) => (probe.isThere = isOpen);
+    this.probe.onToggle = (isOpen) => {
+      probe.isThere = isOpen;
+      if (isOpen) sidebar.show(probe);
+    };
     this.app.events.on("scene", ({ head }) => {
       sidebar.title = head.title;
       lamps.isThere = head.lamps.length > 0;

@@ -11,7 +11,7 @@ import type { LitScene } from "../light";
 import type { Overlay } from "../overlay";
 import { disagreement, reading, type NamedSource, type Place, type Reading } from "../reading";
 import { arrivals, origins, RAYS, row, total, type Closest, type Origin, type Row } from "../row";
-import { select } from "../ui";
+import { button, select } from "../ui";
 import { conversion, scalar, type Unit } from "../units";
 import "./probe.css";
 
@@ -36,6 +36,7 @@ export class Probe {
   private origins: Origin[] = [];
   private pointed: number | null = null;
   private isDue = false;
+  private readonly closer = button({ label: "×", title: "Close the probe (Escape)" }, () => this.close());
   private readonly beams: Beams;
   private readonly labels: Labels;
   private readonly highlight: Highlight;
@@ -45,6 +46,7 @@ export class Probe {
     overlay: Overlay,
     private readonly closest: Closest,
   ) {
+    this.closer.className = "plain";
     this.beams = new Beams(overlay);
     this.highlight = new Highlight(overlay);
     this.labels = new Labels(app.stage, app.root);
@@ -131,7 +133,7 @@ export class Probe {
     const places = position.map((x) => x.toFixed(3).replace("-", "−")).join(", ");
     return h(
       "header", {},
-      h("h3", {}, swatch(hex(this.lit!.reflectanceOf(this.lit!.surface[patch]))), surface || "without a name"),
+      h("h3", {}, swatch(hex(this.lit!.reflectanceOf(this.lit!.surface[patch]))), h("span", {}, surface || "without a name"), this.closer),
       h("p", {}, material && material !== surface ? `${material} · ` : "", `patch ${whole(patch)}, ${figures(area)} m²`),
       h("p", { className: "numbers" }, `(${places}) m`),
     );
