@@ -49,6 +49,7 @@ export class Stage {
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the shader encodes by itself
     this.scene.background = new THREE.Color().setHex(0x101114, THREE.LinearSRGBColorSpace);
     this.colours.minFilter = this.colours.magFilter = THREE.LinearFilter;
+    this.colours.needsUpdate = true;
     this.material = new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
       vertexShader: VERTEX,

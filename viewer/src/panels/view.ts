@@ -73,6 +73,7 @@ export class View {
     app.events.on("scene", (lit) => this.build(lit));
     app.events.on("settings", () => this.show());
     app.events.on("light", () => this.show());
+    app.stage.afterFrame.push(() => this.showStops());
     this.show();
   }
 
@@ -89,7 +90,7 @@ export class View {
   }
 
   private show(): void {
-    const { settings, quantity, range, exposure } = this.app.stage;
+    const { settings, quantity, range } = this.app.stage;
     const { falseColours, isExposureAutomatic } = settings;
     this.quantity.value = settings.quantity;
     this.showBand(String(settings.band));
@@ -106,9 +107,17 @@ export class View {
     this.low.disabled = this.high.disabled = !settings.range;
     this.stops.disabled = this.stopsNumber.disabled = isExposureAutomatic;
     if (falseColours) [this.low.value, this.high.value] = range.map((x) => String(Number(x.toPrecision(4))));
-    const stops = isExposureAutomatic ? Math.log2(exposure * this.radiance) : settings.exposure;
-    this.stops.value = this.stopsNumber.value = stops.toFixed(1);
+    this.showStops();
     this.arrange(settings, quantity !== "patches");
+  }
+
+  /** What automatic exposure came to, or what was chosen. */
+  private showStops(): void {
+    const { settings, exposure } = this.app.stage;
+    if (document.activeElement === this.stopsNumber) return;
+    const stops = settings.isExposureAutomatic ? Math.log2(exposure * this.radiance) : settings.exposure;
+    const text = stops.toFixed(1);
+    if (text !== this.stopsNumber.value) this.stops.value = this.stopsNumber.value = text;
   }
 
   /** What means something for what is shown. */
