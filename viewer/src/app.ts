@@ -82,7 +82,9 @@ export class App {
     } catch (error) {
       return this.failed((error as Error).message);
     }
-    this.listen(new Link(session()));
+    const address = session();
+    if (address) this.listen(new Link(address));
+    else this.curtain.say("There is no scene here", NO_SCENE);
   }
 
   set(change: Partial<Settings>): void {
@@ -216,7 +218,7 @@ export class App {
     const position = new Vector3(...state.position).sub(new Vector3(...head.origin));
     this.navigation.lookAt(position, position.clone().add(new Vector3(...state.forward)));
     this.stage.verticalAngle = state.angle;
-    if (state.mode === "fly") this.navigation.setMode("fly");
+    if (state.mode === "fly" || state.mode === "walk") this.navigation.setMode(state.mode, false);
   }
 
   /** Says what cannot be shown; a picture that there is stays. */

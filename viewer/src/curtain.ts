@@ -14,10 +14,10 @@ export class Curtain {
     this.element.hidden = true;
   }
 
-  /** @param isBusy whether something is on its way. */
+  /** @param text what stands between backquotes is to be typed. @param isBusy whether something is on its way. */
   say(heading: string, text: string, isBusy = false): void {
     this.heading.textContent = heading;
-    this.text.textContent = text;
+    this.text.replaceChildren(...text.split("`").map((part, k) => (k % 2 ? h("code", {}, part) : part)));
     this.dots.hidden = !isBusy;
     this.element.hidden = false;
   }

@@ -9,6 +9,9 @@ export type Quantity = "radiosity" | "irradiance" | "emission" | "error" | "refl
 
 export const QUANTITIES: Quantity[] = ["radiosity", "irradiance", "emission", "error", "reflectance", "patches"];
 
+/** The share of all area up to which lamps are something apart. */
+const FEW = 0.1;
+
 /** Numbers of one patch, for those who ask about it. */
 export interface Spectra {
   irradiance: number[];
@@ -173,6 +176,36 @@ export class LitScene {
   /** Patches that emit when every layer is there once, as they were first; relighting does not make them others. */
   get emitters(): Emitter[] {
     return (this.firstEmitters ??= this.findEmitters());
+  }
+
+  /**
+   * Areas, zero where a patch is a lamp: more than half of its radiosity is its own. All of them where lamps are a large
+   * part of the scene, as in heat.
+   */
+  areaWithoutLamps(): Float32Array {
+    const area = this.area.slice();
+    const emission = this.sums("emission");
+    const radiosity = this.sums("radiosity");
+    let lamps = 0;
+    let whole = 0;
+    for (let patch = 0; patch < this.count; patch++) {
+      whole += area[patch];
+      if (emission[4 * patch] <= 0.5 * radiosity[4 * patch]) continue;
+      lamps += area[patch];
+      area[patch] = 0;
+    }
+    return lamps < FEW * whole ? area : this.area;
+  }
+
+  /** Of all bands, by patch, four times. */
+  private sums(quantity: Quantity): Float32Array {
+    const sum = new Float32Array(4 * this.count);
+    const one = new Float32Array(4 * this.count);
+    for (let band = 0; band < this.bands; band++) {
+      this.fill(quantity, band, false, one, 0, 1);
+      for (let i = 0; i < sum.length; i++) sum[i] += one[i];
+    }
+    return sum;
   }
 
   reflectanceOf(surface: number): number[] {

@@ -81,14 +81,15 @@ export class Navigation {
     this.begin();
   }
 
-  setMode(mode: Mode): void {
+  /** @param stands whether one goes where one can stand before one walks. */
+  setMode(mode: Mode, stands = true): void {
     if (mode === this.mode) return;
     const wasOrbit = this.mode === "orbit";
     this.mode = mode;
     this.walker.isFlying = mode === "fly";
     if (mode === "orbit") this.pointer.free();
     this.begin();
-    if (mode === "walk" && wasOrbit) this.stand();
+    if (mode === "walk" && wasOrbit && stands) this.stand();
     this.events.emit("mode", mode);
   }
 

@@ -11,7 +11,15 @@ export async function embedded(): Promise<Packet | null> {
   if (!text) return null;
   // Not from a Blob: browsers keep those in another process, in small pieces.
   const stream = new Response(decoded(text)).body!.pipeThrough(new DecompressionStream("gzip"));
-  return unpack(await new Response(stream).arrayBuffer());
+  return unpack(await whole(stream));
+}
+
+async function whole(stream: ReadableStream): Promise<ArrayBuffer> {
+  try {
+    return await new Response(stream).arrayBuffer();
+  } catch {
+    throw new Error("the scene is cut off");
+  }
 }
 
 /** The bytes of base64. */
@@ -23,8 +31,9 @@ function decoded(text: string): Uint8Array<ArrayBuffer> {
   return bytes;
 }
 
-/** Where the session listens: beside this page. */
-export function session(): URL {
+/** Where the session listens: beside this page; null if the page is a file, which nobody serves. */
+export function session(): URL | null {
+  if (!location.protocol.startsWith("http")) return null;
   const address = new URL("socket", location.href);
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
   address.search = address.hash = "";

@@ -15,6 +15,9 @@ import { bandWeights, conversion, hasUnit } from "./units";
 /** Texels in a row of values. */
 const WIDTH = 4096;
 
+/** Seconds: what takes longer goes slower. */
+const LONGEST = 0.25;
+
 /** Of logarithmic scales, unless chosen: the first value is a thousandth of the last. */
 const LOGARITHMIC = 1e-3;
 
@@ -159,7 +162,7 @@ export class Stage {
   /** Draws if anything changed. */
   private frame(): void {
     const now = performance.now();
-    const seconds = Math.min((now - this.last) / 1000, 0.1);
+    const seconds = Math.min((now - this.last) / 1000, LONGEST);
     this.last = now;
     for (const before of this.beforeFrame) if (before(seconds)) this.isStale = true;
     if (!this.isStale || this.isLost) return this.statistics.rest();
@@ -288,11 +291,12 @@ export class Stage {
     this.invalidate();
   }
 
-  /** What one part in two hundred of the area exceeds, in the unit shown. */
+  /** What one part in two hundred of the area exceeds, in the unit shown; of radiosity lamps do not count. */
   private highest(): number {
     const { lit, values, weights } = this;
     if (!lit || !values) return 1;
-    return top(means(values.image.data as Float32Array, lit.count, weights), lit.area);
+    const area = this.quantity === "radiosity" ? lit.areaWithoutLamps() : lit.area;
+    return top(means(values.image.data as Float32Array, lit.count, weights), area);
   }
 }
 
