@@ -4,7 +4,7 @@ import type { App } from "../app";
 import { Beams, type Beam } from "../beams";
 import { hex, hue } from "../colour";
 import { h } from "../dom";
-import { factor as formFactor, figures, percent, printed, whole } from "../figures";
+import { factor as formFactor, figures, metres, percent, printed, whole } from "../figures";
 import { Highlight } from "../highlight";
 import { Labels, type Label } from "../labels";
 import type { LitScene } from "../light";
@@ -130,7 +130,7 @@ export class Probe {
   }
 
   private headline({ surface, material, position, patch, area }: Reading): HTMLElement {
-    const places = position.map((x) => x.toFixed(3).replace("-", "−")).join(", ");
+    const places = position.map(metres).join(", ");
     return h(
       "header", {},
       h("h3", {}, swatch(hex(this.lit!.reflectanceOf(this.lit!.surface[patch]))), h("span", {}, surface || "without a name"), this.closer),
