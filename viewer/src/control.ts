@@ -79,7 +79,7 @@ export class Control {
   setLamps(lamps: LampSetting[]): void {
     const changed = lamps.flatMap((lamp, k) => (lamp === this.lamps[k] ? [] : [k]));
     this.lamps = lamps;
-    if (this.isLayered) changed.forEach((k) => this.app.mix(k, this.weights(k)));
+    if (this.isLayered) this.mix(changed);
     else this.relightLamps();
     this.events.emit("settings", undefined);
   }
@@ -103,6 +103,12 @@ export class Control {
     this.app.link?.send({ type: "stop" });
   }
 
+  /** Mixes the light of these lamps as they are set; the picture is drawn once. */
+  private mix(which: number[]): void {
+    which.slice(1).forEach((k) => this.app.lit!.mix(k, this.weights(k)));
+    which.slice(0, 1).forEach((k) => this.app.mix(k, this.weights(k)));
+  }
+
   private weights(which: number): number[] {
     return weights(this.lamps[which], this.app.lit!.bands);
   }
@@ -118,7 +124,7 @@ export class Control {
   private begin(): void {
     const { head } = this.app.lit!;
     if (this.lamps.length !== head.lamps.length) this.lamps = head.lamps.map(() => AS_IN_SCENE);
-    if (head.is_layered) this.lamps.forEach((lamp, k) => isChanged(lamp) && this.app.mix(k, this.weights(k)));
+    if (head.is_layered) this.mix(this.lamps.flatMap((lamp, k) => (isChanged(lamp) ? [k] : [])));
     this.isNew = true;
     this.events.emit("means", undefined);
   }
