@@ -84,13 +84,19 @@ export class Control {
     this.events.emit("settings", undefined);
   }
 
-  /** Paints a surface; null gives it the paint that it has in the scene. */
+  /** Paints a surface on both its sides; null gives it the paint that it has in the scene. */
   paint(surface: number, reflectance: number[] | null): void {
     const { paint } = this.relighting;
-    if (reflectance) paint.set(surface, reflectance.map((r) => Math.min(Math.max(r, 0), MOST_REFLECTANCE)));
-    else paint.delete(surface);
+    const front = this.frontOf(surface);
+    if (reflectance) paint.set(front, reflectance.map((r) => Math.min(Math.max(r, 0), MOST_REFLECTANCE)));
+    else paint.delete(front);
     this.relighting.ask();
     this.events.emit("settings", undefined);
+  }
+
+  /** The paint that a surface was given; undefined where it has that of the scene. */
+  paintOf(surface: number): number[] | undefined {
+    return this.relighting.paint.get(this.frontOf(surface));
   }
 
   paintAsInScene(): void {
@@ -120,11 +126,21 @@ export class Control {
     this.relighting.ask();
   }
 
+  /** The surface whose back this is, or itself: backs follow all fronts (python/radiosity/files.py). */
+  private frontOf(surface: number): number {
+    const { surfaces } = this.app.lit!.head;
+    const front = surface - surfaces.length / 2;
+    return surfaces[surface].name === `${surfaces[front]?.name} (back)` ? front : surface;
+  }
+
   /** Other patches: lamps keep what they are set to as far as they are the same. */
   private begin(): void {
     const { head } = this.app.lit!;
     if (this.lamps.length !== head.lamps.length) this.lamps = head.lamps.map(() => AS_IN_SCENE);
-    if (head.is_layered) this.mix(this.lamps.flatMap((lamp, k) => (isChanged(lamp) ? [k] : [])));
+    if (head.is_layered) {
+      this.relighting.lamps.clear(); // mixed here, they must not be dimmed there as well
+      this.mix(this.lamps.flatMap((lamp, k) => (isChanged(lamp) ? [k] : [])));
+    }
     this.isNew = true;
     this.events.emit("means", undefined);
   }
