@@ -16,7 +16,8 @@ interface Changes {
 /** Paint reflects less than all light, as the solver wants it. */
 export const MOST_REFLECTANCE = 0.99;
 
-const HINT = "To switch lamps, export the scene with --layers, or open it through `radiosity view room.glb`.";
+/** The option is held together by word joiners. */
+const HINT = "To switch lamps, open the scene with “radiosity view”, or export it with -\u2060-\u2060layers.";
 
 export class Control {
   readonly events = new Events<Changes>();

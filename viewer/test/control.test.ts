@@ -74,7 +74,7 @@ describe("lamps without layers", () => {
   });
 
   test("are fixed where nobody can relight, and it is said why", () => {
-    expect(page(1, false).control.lampsFixed).toMatch(/found before.*--layers/);
+    expect(page(1, false).control.lampsFixed).toMatch(/found before.*layers/);
     const { app, control } = page(1, true);
     app.events.emit("message", READY);
     app.events.emit("closed", undefined);
