@@ -1,8 +1,10 @@
 // What rays find of the patches: the one place that asks the hierarchy over their triangles.
 
 import * as THREE from "three";
-import { MeshBVH } from "three-mesh-bvh";
+import type { MeshBVH } from "three-mesh-bvh";
 import { locate, type Point } from "./field";
+import { hierarchy } from "./hierarchy";
+import { hierarchyLater } from "./later";
 import type { LitScene } from "./light";
 import type { Place } from "./reading";
 import type { Sight } from "./row";
@@ -12,16 +14,26 @@ import type { Stage } from "./stage";
 const SAME = 1e-5;
 
 export class Rays {
+  /** Called when there is a hierarchy over other patches. */
+  onReady: () => void = () => {};
   private lit: LitScene | null = null;
-  private tree: MeshBVH | null = null;
+  private known: MeshBVH | null = null;
+  private making: { of: LitScene; cancel: () => void } | null = null;
   private readonly ray = new THREE.Ray();
   private readonly caster = new THREE.Raycaster();
 
-  constructor(private readonly stage: Stage) {}
+  constructor(private readonly stage: Stage) {
+    stage.afterFrame.push(() => this.begin()); // once the patches are seen
+  }
+
+  /** The hierarchy over the patches that are shown, or over those before as long as it is still being made. */
+  get tree(): MeshBVH | null {
+    return this.known;
+  }
 
   /** What a ray meets first, whichever way that faces; of the two sides of a sheet the one that faces the ray. */
   closest(origin: Point, direction: Point): Sight | null {
-    const tree = this.hierarchy();
+    const tree = this.now();
     if (!tree) return null;
     this.ray.origin.set(...origin);
     this.ray.direction.set(...direction);
@@ -39,7 +51,7 @@ export class Rays {
    * @param x, y pixels from its upper left corner.
    */
   pick(x: number, y: number): Place | null {
-    const tree = this.hierarchy();
+    const tree = this.now();
     if (!tree) return null;
     const { clientWidth, clientHeight } = this.stage.renderer.domElement;
     this.stage.camera.updateMatrixWorld();
@@ -51,15 +63,29 @@ export class Rays {
     return { patch, point, st: locate(this.lit!.polygons, patch, ...point) };
   }
 
-  /** The hierarchy over the patches that are shown, made when somebody first asks. */
-  private hierarchy(): MeshBVH | null {
-    const { lit, mesh } = this.stage;
-    if (lit !== this.lit) {
-      this.lit = lit;
-      // Indirect: the order of the triangles stays, so that their numbers tell the patch.
-      this.tree = mesh && new MeshBVH(mesh.geometry, { indirect: true });
+  /** Has the hierarchy made if there is none over these patches. */
+  private begin(): void {
+    const { lit } = this.stage;
+    if (!lit?.count || lit === this.lit || lit === this.making?.of) return;
+    this.making?.cancel();
+    this.making = { of: lit, cancel: hierarchyLater(lit.polygons, (tree) => this.take(lit, tree)).cancel };
+  }
+
+  /** The hierarchy over the patches that are shown, for somebody who cannot wait. */
+  now(): MeshBVH | null {
+    const { lit } = this.stage;
+    if (lit?.count && lit !== this.lit) {
+      this.making?.cancel();
+      this.take(lit, hierarchy(lit.polygons));
     }
-    return this.tree;
+    return lit?.count ? this.known : null;
+  }
+
+  private take(lit: LitScene, tree: MeshBVH): void {
+    this.making = null;
+    this.lit = lit;
+    this.known = tree;
+    this.onReady();
   }
 
   private sight(hit: THREE.Intersection, [x, y, z]: Point): Sight {

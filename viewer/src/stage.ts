@@ -4,6 +4,7 @@ import * as THREE from "three";
 import type { CameraHead } from "./messages";
 import type { LitScene, Quantity } from "./light";
 import { Meter } from "./meter";
+import { triangles } from "./patches";
 import { roundStep, top } from "./range";
 import { FRAGMENT, LOOK, VERTEX } from "./shaders";
 import { DEFAULTS, type Settings } from "./settings";
@@ -16,9 +17,6 @@ const WIDTH = 4096;
 
 /** Of logarithmic scales, unless chosen: the first value is a thousandth of the last. */
 const LOGARITHMIC = 1e-3;
-
-/** Corners of the two triangles of a patch. */
-const CORNERS = [0, 1, 2, 0, 2, 3];
 
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
@@ -51,6 +49,7 @@ export class Stage {
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the shader encodes by itself
     this.scene.background = new THREE.Color().setHex(0x101114, THREE.LinearSRGBColorSpace);
     this.colours.minFilter = this.colours.magFilter = THREE.LinearFilter;
+    this.colours.needsUpdate = true;
     this.material = new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
       vertexShader: VERTEX,
@@ -295,14 +294,6 @@ export class Stage {
     if (!lit || !values) return 1;
     return top(means(values.image.data as Float32Array, lit.count, weights), lit.area);
   }
-}
-
-/** The vertices of two triangles a patch: their index is twice the patch's, and one more. */
-export function triangles(count: number): Uint32Array {
-  const index = new Uint32Array(6 * count);
-  for (let patch = 0, at = 0; patch < count; patch++)
-    for (let k = 0; k < 6; k++) index[at++] = 4 * patch + CORNERS[k];
-  return index;
 }
 
 /** The one number of each patch. */

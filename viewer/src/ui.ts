@@ -2,6 +2,7 @@
 // elements, so that keyboards, screen readers and phones know what to do.
 
 import { h } from "./dom";
+import { icon, type Icon } from "./icons";
 
 /** A part of the sidebar under a heading that opens and closes it. */
 export class Panel {
@@ -42,12 +43,12 @@ const HEADING = 40;
 export class Sidebar {
   readonly element = h("aside", { className: "sidebar", id: "sidebar", "aria-label": "Panels" });
   private readonly heading = h("h1", {});
-  private readonly opener = button({ label: "Panels" }, () => (this.isOpen = true));
+  private readonly opener = iconButton("panels", { label: "Show the panels" }, () => (this.isOpen = true));
 
   constructor(root: HTMLElement) {
     const closer = button({ label: "×", title: "Hide the panels" }, () => (this.isOpen = false));
     closer.className = "plain";
-    this.opener.className = "sidebar-opener";
+    this.opener.classList.add("sidebar-opener");
     this.element.append(h("header", {}, this.heading, closer));
     root.append(this.element, this.opener);
     this.isOpen = true;
@@ -140,4 +141,29 @@ export function select<Value extends string>(
 /** A name on the left, controls on the right. */
 export function field(label: string, ...controls: HTMLElement[]): HTMLElement {
   return h("div", { className: "field" }, h("span", { className: "field-name" }, label), ...controls);
+}
+
+/** A button with a picture, whose name appears when it is pointed at. */
+export function iconButton(name: Icon, { label, title = label }: Named, click: () => void): HTMLButtonElement {
+  const element = h("button", { type: "button", className: "icon-button", ariaLabel: label, title }, icon(name));
+  element.onclick = click;
+  return element;
+}
+
+/** How many groups of radio buttons there are: each needs a name of its own. */
+let groups = 0;
+
+/** A choice of one of few values, all of which are seen. */
+export function segmented<Value extends string>(
+  { label, title }: Named, options: readonly (readonly [Value, string | Node, string?])[], change: (value: Value) => void,
+): { element: HTMLElement; set: (value: Value) => void } {
+  const name = `choice-${groups++}`;
+  const inputs = options.map(([value, , title]) => {
+    const input = h("input", { type: "radio", name, value, ariaLabel: title });
+    input.onchange = () => change(value);
+    return input;
+  });
+  const labels = options.map(([, shown, title], k) => h("label", { title }, inputs[k], h("span", {}, shown)));
+  const element = h("div", { className: "segmented", role: "radiogroup", ariaLabel: label, title }, ...labels);
+  return { element, set: (value) => inputs.forEach((input) => (input.checked = input.value === value)) };
 }

@@ -12,12 +12,6 @@ import { Paint } from "./paint";
 import { Probe } from "./probe";
 import { Progress } from "./progress";
 
-/** Pixels that a pointer may move in a click. */
-const STILL = 4;
-
-/** Milliseconds that a click lasts at most. */
-const SHORT = 500;
-
 export class LightPanels {
   readonly control: Control;
   readonly probe: Probe;
@@ -27,7 +21,6 @@ export class LightPanels {
 
   constructor(
     private readonly app: App,
-    sidebar: Sidebar,
     private readonly rays: Rays,
   ) {
     const overlay = new Overlay(app.stage);
@@ -37,8 +30,7 @@ export class LightPanels {
     this.paint = new Paint(app, this.control, overlay);
     this.probe = new Probe(app, overlay, (origin, direction) => rays.closest(origin, direction));
     new Notices(app);
-    this.fill(sidebar);
-    this.listen();
+    addEventListener("keydown", (event) => event.key === "Escape" && this.probe.close());
   }
 
   /** Opens the probe at a place of the picture, pixels from its upper left corner; closes it where nothing is. */
@@ -55,35 +47,25 @@ export class LightPanels {
     return this.probe.reading;
   }
 
-  /** A panel is there while it has something to say. */
-  private fill(sidebar: Sidebar): void {
+  /** Adds what is read. A panel is there while it has something to say. */
+  addReadings(sidebar: Sidebar): void {
     sidebar.add("Solution", this.progress.element);
     const probe = sidebar.add("Probe", this.probe.element);
-    const lamps = sidebar.add("Lamps", this.lamps.element);
-    const paint = sidebar.add("Paint", this.paint.element, false);
-    probe.isThere = lamps.isThere = paint.isThere = false;
+    probe.isThere = false;
     this.probe.onToggle = (isOpen) => {
       probe.isThere = isOpen;
       if (isOpen) sidebar.show(probe);
     };
+  }
+
+  /** Adds what changes the light. */
+  addControls(sidebar: Sidebar): void {
+    const lamps = sidebar.add("Lamps", this.lamps.element);
+    const paint = sidebar.add("Paint", this.paint.element, false);
+    lamps.isThere = paint.isThere = false;
     this.app.events.on("scene", ({ head }) => {
-      sidebar.title = head.title;
       lamps.isThere = head.lamps.length > 0;
       paint.isThere = this.app.link !== null;
     });
-  }
-
-  /** A click is a pointer that goes down and up again without having moved. */
-  private listen(): void {
-    const { canvas } = this.app;
-    let down: PointerEvent | null = null;
-    canvas.addEventListener("pointerdown", (event) => (down = event.isPrimary && event.button === 0 ? event : null));
-    canvas.addEventListener("pointerup", (event) => {
-      if (!down || event.pointerId !== down.pointerId || document.pointerLockElement) return;
-      const moved = Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY);
-      if (moved <= STILL && event.timeStamp - down.timeStamp <= SHORT) this.click(event.offsetX, event.offsetY);
-      down = null;
-    });
-    addEventListener("keydown", (event) => event.key === "Escape" && this.probe.close());
   }
 }
