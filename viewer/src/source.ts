@@ -9,9 +9,17 @@ const ELEMENT = "radiosity-scene";
 export async function embedded(): Promise<Packet | null> {
   const text = document.getElementById(ELEMENT)?.textContent?.trim();
   if (!text) return null;
-  const zipped = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const stream = new Blob([decoded(text)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return unpack(await new Response(stream).arrayBuffer());
+}
+
+/** The bytes of base64. */
+function decoded(text: string): Uint8Array<ArrayBuffer> {
+  if ("fromBase64" in Uint8Array) return (Uint8Array.fromBase64 as (text: string) => Uint8Array<ArrayBuffer>)(text);
+  const characters = atob(text);
+  const bytes = new Uint8Array(characters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
+  return bytes;
 }
 
 /** Where the session listens: beside this page. */
