@@ -16,7 +16,8 @@ interface Changes {
 /** Paint reflects less than all light, as the solver wants it. */
 export const MOST_REFLECTANCE = 0.99;
 
-const HINT = "To switch lamps, export the scene with --layers, or open it through `radiosity view room.glb`.";
+/** The option is held together by word joiners. */
+const HINT = "To switch lamps, open the scene with “radiosity view”, or export it with -\u2060-\u2060layers.";
 
 export class Control {
   readonly events = new Events<Changes>();
@@ -79,18 +80,24 @@ export class Control {
   setLamps(lamps: LampSetting[]): void {
     const changed = lamps.flatMap((lamp, k) => (lamp === this.lamps[k] ? [] : [k]));
     this.lamps = lamps;
-    if (this.isLayered) changed.forEach((k) => this.app.mix(k, this.weights(k)));
+    if (this.isLayered) this.mix(changed);
     else this.relightLamps();
     this.events.emit("settings", undefined);
   }
 
-  /** Paints a surface; null gives it the paint that it has in the scene. */
+  /** Paints a surface on both its sides; null gives it the paint that it has in the scene. */
   paint(surface: number, reflectance: number[] | null): void {
     const { paint } = this.relighting;
-    if (reflectance) paint.set(surface, reflectance.map((r) => Math.min(Math.max(r, 0), MOST_REFLECTANCE)));
-    else paint.delete(surface);
+    const front = this.frontOf(surface);
+    if (reflectance) paint.set(front, reflectance.map((r) => Math.min(Math.max(r, 0), MOST_REFLECTANCE)));
+    else paint.delete(front);
     this.relighting.ask();
     this.events.emit("settings", undefined);
+  }
+
+  /** The paint that a surface was given; undefined where it has that of the scene. */
+  paintOf(surface: number): number[] | undefined {
+    return this.relighting.paint.get(this.frontOf(surface));
   }
 
   paintAsInScene(): void {
@@ -101,6 +108,12 @@ export class Control {
 
   stop(): void {
     this.app.link?.send({ type: "stop" });
+  }
+
+  /** Mixes the light of these lamps as they are set; the picture is drawn once. */
+  private mix(which: number[]): void {
+    which.slice(1).forEach((k) => this.app.lit!.mix(k, this.weights(k)));
+    which.slice(0, 1).forEach((k) => this.app.mix(k, this.weights(k)));
   }
 
   private weights(which: number): number[] {
@@ -114,11 +127,21 @@ export class Control {
     this.relighting.ask();
   }
 
+  /** The surface whose back this is, or itself: backs follow all fronts (python/radiosity/files.py). */
+  private frontOf(surface: number): number {
+    const { surfaces } = this.app.lit!.head;
+    const front = surface - surfaces.length / 2;
+    return surfaces[surface].name === `${surfaces[front]?.name} (back)` ? front : surface;
+  }
+
   /** Other patches: lamps keep what they are set to as far as they are the same. */
   private begin(): void {
     const { head } = this.app.lit!;
     if (this.lamps.length !== head.lamps.length) this.lamps = head.lamps.map(() => AS_IN_SCENE);
-    if (head.is_layered) this.lamps.forEach((lamp, k) => isChanged(lamp) && this.app.mix(k, this.weights(k)));
+    if (head.is_layered) {
+      this.relighting.lamps.clear(); // mixed here, they must not be dimmed there as well
+      this.mix(this.lamps.flatMap((lamp, k) => (isChanged(lamp) ? [k] : [])));
+    }
     this.isNew = true;
     this.events.emit("means", undefined);
   }

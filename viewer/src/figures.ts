@@ -37,3 +37,8 @@ export function factor(value: number): string {
 export function printed(unit: string): string {
   return unit.replace("m2", "m²");
 }
+
+/** Metres to the millimetre, without a zero that is below zero. */
+export function metres(value: number): string {
+  return (Math.round(1000 * value) / 1000 + 0).toFixed(3).replace("-", "−");
+}

@@ -24,7 +24,7 @@ export class Panel {
 
   set isOpen(isOpen: boolean) {
     this.body.hidden = !isOpen;
-    this.button.ariaExpanded = String(isOpen);
+    this.button.setAttribute("aria-expanded", String(isOpen));
   }
 
   /** Whether there is anything to show at all. */
@@ -90,7 +90,7 @@ interface Range {
 type Named = { label: string; title?: string };
 
 export function slider({ label, title, min, max, step = "any" }: Named & Range, input: (value: number) => void): HTMLInputElement {
-  const element = h("input", { type: "range", min: String(min), max: String(max), step: String(step), ariaLabel: label, title });
+  const element = h("input", { type: "range", min: String(min), max: String(max), step: String(step), "aria-label": label, title });
   element.oninput = () => input(element.valueAsNumber);
   return element;
 }
@@ -99,7 +99,7 @@ export function slider({ label, title, min, max, step = "any" }: Named & Range, 
 export function numberField(
   { label, title, min, max, step = "any" }: Named & Range, change: (value: number) => void,
 ): HTMLInputElement {
-  const element = h("input", { type: "number", min: String(min), max: String(max), step: String(step), ariaLabel: label, title });
+  const element = h("input", { type: "number", min: String(min), max: String(max), step: String(step), "aria-label": label, title });
   element.onchange = () => {
     const value = Math.min(Math.max(element.valueAsNumber || 0, min), max);
     element.valueAsNumber = value;
@@ -109,7 +109,7 @@ export function numberField(
 }
 
 export function colourField({ label, title }: Named, input: (colour: string) => void): HTMLInputElement {
-  const element = h("input", { type: "color", ariaLabel: label, title });
+  const element = h("input", { type: "color", "aria-label": label, title });
   element.oninput = () => input(element.value);
   return element;
 }
@@ -132,7 +132,7 @@ export function select<Value extends string>(
   { label, title }: Named, options: readonly (readonly [Value, string])[], change: (value: Value) => void,
 ): HTMLSelectElement {
   const element = h(
-    "select", { ariaLabel: label, title }, ...options.map(([value, name]) => h("option", { value }, name)),
+    "select", { "aria-label": label, title }, ...options.map(([value, name]) => h("option", { value }, name)),
   );
   element.onchange = () => change(element.value as Value);
   return element;

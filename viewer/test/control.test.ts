@@ -74,7 +74,7 @@ describe("lamps without layers", () => {
   });
 
   test("are fixed where nobody can relight, and it is said why", () => {
-    expect(page(1, false).control.lampsFixed).toMatch(/found before.*--layers/);
+    expect(page(1, false).control.lampsFixed).toMatch(/found before.*layers/);
     const { app, control } = page(1, true);
     app.events.emit("message", READY);
     app.events.emit("closed", undefined);
@@ -89,4 +89,27 @@ test("paint stays below one, and goes back to what the scene has", () => {
   app.events.emit("head", { type: "light", reflectance: [], seconds: 0.1, is_final: true, report: {} });
   control.paint(3, null);
   expect(sent.map(({ reflectance }) => reflectance)).toEqual([{ "3": [0.99] }, {}]);
+});
+
+test("the back of a sheet has the paint of its front", () => {
+  const { app, control, sent } = page(2, true);
+  app.lit!.head.surfaces.forEach((surface, k) => (surface.name = k < 3 ? `sheet ${k}` : `sheet ${k - 3} (back)`));
+  app.events.emit("message", READY);
+  control.paint(4, [0.5]);
+  expect(sent[0].reflectance).toEqual({ "1": [0.5] });
+  expect(control.paintOf(1)).toEqual([0.5]);
+  expect(control.paintOf(4)).toEqual([0.5]);
+  expect(control.paintOf(3)).toBeUndefined();
+});
+
+test("lamps that were relit are mixed once their layers are here, and not dimmed twice", () => {
+  const { app, control, sent } = page(1, true);
+  app.events.emit("message", READY);
+  control.setLamp(0, { dimmer: 0.5 });
+  app.lit = lit(cube(1, () => ({ emission: [1, 2] })), 2, 1, LAMPS);
+  app.events.emit("scene", app.lit);
+  app.events.emit("head", app.lit.head);
+  expect([...app.lit.weights]).toEqual([0.5, 1]);
+  control.paint(2, [0.2]);
+  expect(sent.at(-1)!.lamps).toEqual({});
 });

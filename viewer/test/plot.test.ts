@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { duration, factor, figures, percent, whole } from "../src/figures";
+import { duration, factor, figures, metres, percent, whole } from "../src/figures";
 import { linearScale, linearTicks, logarithmicScale, logarithmicTicks } from "../src/plot";
 
 describe("scales of the plot", () => {
@@ -43,6 +43,7 @@ describe("numbers for people", () => {
       "0", "0.0123", "1.20", "123", "12,300", "1.23e-5", "−2.50", "1.50e9", "–",
     ]);
     expect(whole(12345.4)).toBe("12,345");
+    expect([-1e-5, -0.5, 1.23456].map(metres)).toEqual(["0.000", "−0.500", "1.235"]);
     expect([0.16449, 0.0082, 0.000327, 0].map(factor)).toEqual(["0.164", "0.0082", "0.00033", "0"]);
   });
 });

@@ -73,7 +73,8 @@ export class Lamps {
       element,
       show: (setting) => {
         on.input.checked = setting.isOn;
-        if (document.activeElement !== dimmer) dimmer.valueAsNumber = dimmerPlace(setting.dimmer);
+        // A slider that says the same already stays where it was put.
+        if (rounded(dimmed(dimmer.valueAsNumber)) !== setting.dimmer) dimmer.valueAsNumber = dimmerPlace(setting.dimmer);
         if (document.activeElement !== number) number.value = String(rounded(setting.dimmer));
         colour.value = setting.colour;
         element.classList.toggle("off", !setting.isOn);

@@ -79,7 +79,7 @@ export class Paint {
     const { app, surface, control } = this;
     if (surface === null || !app.lit) return this.fields.replaceChildren(h("p", {}, "Click on a surface, or choose one."));
     const { bands, surfaces } = app.lit.head;
-    const now = control.relighting.paint.get(surface) ?? app.lit.reflectanceOf(surface);
+    const now = control.paintOf(surface) ?? app.lit.reflectanceOf(surface);
     const sliders = now.map((value, band) => new Band(bands[band], value, () => this.take(sliders.map((s) => s.value))));
     const picker = colourField({ label: "Colour of the paint" }, (colour) => {
       sliders.forEach((slider, band) => (slider.value = Math.min(linear(colour)[band], MOST_REFLECTANCE)));
@@ -90,7 +90,7 @@ export class Paint {
       reset.blur();
       control.paint(surface, null);
     });
-    reset.disabled = !control.relighting.paint.has(surface);
+    reset.disabled = !control.paintOf(surface);
     this.fields.replaceChildren(
       h("div", { className: "chosen" }, h("strong", {}, surfaces[surface].name), bands.length === 3 && picker, reset),
       ...sliders.map(({ element }) => element),

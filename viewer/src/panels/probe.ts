@@ -4,7 +4,7 @@ import type { App } from "../app";
 import { Beams, type Beam } from "../beams";
 import { hex, hue } from "../colour";
 import { h } from "../dom";
-import { factor as formFactor, figures, percent, printed, whole } from "../figures";
+import { factor as formFactor, figures, metres, percent, printed, whole } from "../figures";
 import { Highlight } from "../highlight";
 import { Labels, type Label } from "../labels";
 import type { LitScene } from "../light";
@@ -130,7 +130,7 @@ export class Probe {
   }
 
   private headline({ surface, material, position, patch, area }: Reading): HTMLElement {
-    const places = position.map((x) => x.toFixed(3).replace("-", "−")).join(", ");
+    const places = position.map(metres).join(", ");
     return h(
       "header", {},
       h("h3", {}, swatch(hex(this.lit!.reflectanceOf(this.lit!.surface[patch]))), h("span", {}, surface || "without a name"), this.closer),
@@ -146,6 +146,8 @@ export class Probe {
     const row = (title: string, values: number[], kind = "", scale = factor) =>
       h("tr", { className: kind }, h("th", { scope: "row" }, title), ...values.map((x) => h("td", {}, figures(scale * x))));
     const share = Number.isFinite(read.relativeError) ? ` (${percent(read.relativeError)})` : "";
+    // What leaves a surface is not called lux.
+    const leaving = unit === "lux" ? ", lm/m²" : "";
     const error = this.lit!.isMixed ? "Error ± as solved" : `Error ±${share}`;
     return h(
       "div", { className: "scroll" },
@@ -155,8 +157,8 @@ export class Probe {
         h(
           "tbody", {},
           row("Irradiance", read.irradiance), row("mean of patch", mean.irradiance, "minor"),
-          row("Radiosity", read.radiosity), row("mean of patch", mean.radiosity, "minor"),
-          row(error, mean.error), row("Emission", mean.emission), row("Reflectance", mean.reflectance, "", 1),
+          row(`Radiosity${leaving}`, read.radiosity), row("mean of patch", mean.radiosity, "minor"),
+          row(error, mean.error), row(`Emission${leaving}`, mean.emission), row("Reflectance", mean.reflectance, "", 1),
         ),
       ),
     );
@@ -196,13 +198,13 @@ export class Probe {
     const value = (spectrum: number[]) => `${figures(factor * scalar(unit, spectrum))} ${printed(unit)}`;
     const off = disagreement(read);
     const differs = Number.isFinite(off) ? ` (${off < 0 ? "−" : "+"}${percent(Math.abs(off))})` : "";
-    const dark = [["outside", read.outside], ["backs of surfaces", read.backs]] as const;
-    const lost = dark.filter(([, share]) => share > 0).map(([what, share]) => `${what}: F ${formFactor(share)}`);
+    const dark = [["Outside", read.outside], ["Black backs of surfaces", read.backs]] as const;
+    const lost = dark.filter(([, share]) => share > 0).map(([what, share]) => `${what}: F ${formFactor(share)}.`);
     const lights = this.lit!.head.lamps.some((lamp) => lamp.lights.length);
     return h(
       "footer", {},
       h("p", {}, `All of it: ${value(read.gathered)}; the field says ${value(read.irradiance)}${differs}.`),
-      lost.length > 0 && h("p", {}, `${lost.join(", ")}.`),
+      lost.length > 0 && h("p", {}, lost.join(" ")),
       lights && h("p", {}, "Lights without area are not among the surfaces."),
       h("label", {}, "Rays ", this.rayChoice()),
     );

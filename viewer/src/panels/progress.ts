@@ -75,6 +75,8 @@ export class Progress {
     this.stop.hidden = !isWorking || status!.stage === "relighting";
     if (isWorking && status!.done >= 0) this.bar.value = status!.done;
     else this.bar.removeAttribute("value");
+    // Screen readers are told what came out, not every step.
+    this.line.setAttribute("aria-live", isWorking ? "off" : "polite");
     this.line.textContent = isWorking ? this.now(status!) : this.summary();
     this.isDrawn = true;
     this.figure.hidden = history.length < 2;
