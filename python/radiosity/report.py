@@ -16,6 +16,7 @@ _LIMITS = {
     "samples": "the samples were given: solve the scene afresh for more",
     "solver": "the solver did not converge: the answer is not the equilibrium",
     "hemicubes": "the most hemicubes per patch were drawn: use smaller patches, or another solver",
+    "observer": "it was told to stop",
 }
 
 _STOPS = {
