@@ -89,19 +89,23 @@ def layers(solution: Solution, lamps: list[LampHead], model: LitModel) -> list[L
         lamps: of :func:`lamps`, for the solution's emission and lights.
         model: the lit model of the solution.
     """
+    return adding_up([layer(solution, lamps, k, model) for k in range(len(lamps))], model)
+
+
+def layer(solution: Solution, lamps: list[LampHead], which: int, model: LitModel) -> LitModel:
+    """The light of one lamp alone, but for what iterative solvers leave; see :func:`layers`."""
     if len(lamps) == 1:
-        return [model]
-    bands = len(solution.patches.scene.bands)
-    found = []
-    for which in np.eye(len(lamps)):
-        emitted, shone = factors(lamps, solution.patches, np.repeat(which[:, None], bands, axis=1))
-        alone = solution.relight(emission=solution.emission * emitted, lights=solution.lights * shone)
-        found.append(model.relit(alone))
-    return _adding_up(found, model)
+        return model
+    weights = np.zeros((len(lamps), len(solution.patches.scene.bands)))
+    weights[which] = 1.0
+    emitted, shone = factors(lamps, solution.patches, weights)
+    return model.relit(solution.relight(emission=solution.emission * emitted, lights=solution.lights * shone))
 
 
-def _adding_up(layers: list[LitModel], model: LitModel) -> list[LitModel]:
-    """Layers scaled, patch by patch, by what iterative solvers leave."""
+def adding_up(layers: list[LitModel], model: LitModel) -> list[LitModel]:
+    """Layers scaled, patch by patch, by what iterative solvers leave, so that they are the light of the model."""
+    if not layers:
+        return []
     total = np.sum([layer.irradiance for layer in layers], axis=0)
     scale = np.divide(model.irradiance, total, out=np.ones_like(total), where=total > 0)
     return [
