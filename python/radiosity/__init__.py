@@ -14,7 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from radiosity import catalogue, diagnosis, scenes, teaching
+    from radiosity import catalogue, diagnosis, scenes, teaching, viewer
     from radiosity._native import ResourceError, SceneError, __version__
     from radiosity.certificate import Certificate
     from radiosity.factors import FormFactors, form_factors
@@ -59,6 +59,7 @@ __all__ = [
     "scenes",
     "solve",
     "teaching",
+    "viewer",
 ]
 
 # Names are imported when first used: scipy alone takes longer to import than `radiosity --help` may take in all.
@@ -110,6 +111,7 @@ _MODULES = {
     "solution",
     "surface_factors",
     "teaching",
+    "viewer",
 }
 
 

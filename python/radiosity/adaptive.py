@@ -31,6 +31,8 @@ Floats = npt.NDArray[np.float64]
 Leaves = npt.NDArray[np.uint32]
 Solve = Callable[[Patches, float, "Floats | None", "Progress | None"], "Solution"]
 """Solves on patches to an accuracy that leaves out the mesh; an error on each may matter differently."""
+OnRefine = Callable[["Solution"], object]
+"""Called with the solution on each mesh; the search ends with it if that returns False."""
 
 COARSE = 400
 """Patches to begin with, where the faces do not make more."""
@@ -92,6 +94,7 @@ def solve_adaptively(
     limits: Limits,
     weigh: Callable[[Solution | None, Patches], Floats] | None = None,
     progress: Progress | None = None,
+    on_refine: OnRefine | None = None,
 ) -> Solution:
     """The solution on the first mesh that is fine enough, or the last that the limits allow.
 
@@ -103,8 +106,9 @@ def solve_adaptively(
         weigh: from the last solution, if there is one, how much a squared error on each patch matters; all the same by
             default.
         progress: as in :func:`radiosity.solve`.
+        on_refine: see :data:`OnRefine`.
     """
-    return _Search(scene, accuracy, solve, limits, weigh, progress).run()
+    return _Search(scene, accuracy, solve, limits, weigh, progress, on_refine).run()
 
 
 @dataclass
@@ -115,6 +119,7 @@ class _Search:
     limits: Limits
     weigh: Callable[[Solution | None, Patches], Floats] | None
     progress: Progress | None
+    on_refine: OnRefine | None = None
     cut: tuple[float, float] | None = None
 
     def run(self) -> Solution:
@@ -141,6 +146,8 @@ class _Search:
                 if solution is None:
                     raise
                 return self._told(solution, "memory")
+            if self.on_refine is not None and self.on_refine(solution) is False:
+                return self._told(solution, "observer")
             if solution.report.estimated_error <= self.accuracy:
                 return self._told(solution, "accuracy")
             if solution.report.limited_by == "memory":
@@ -294,4 +301,4 @@ def focus_on(scene: Scene, name: str) -> Callable[[Solution | None, Patches], Fl
     return weigh
 
 
-__all__ = ["Limits", "Step", "focus_on", "solve_adaptively"]
+__all__ = ["Limits", "OnRefine", "Step", "focus_on", "solve_adaptively"]

@@ -6,7 +6,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from radiosity import _native
 from radiosity.scene import Camera
 
 if TYPE_CHECKING:
+    from radiosity.patches import Patches
     from radiosity.solution import Solution
 
 Floats = npt.NDArray[np.float64]
@@ -54,27 +55,21 @@ class LitModel:
     @classmethod
     def of(cls, solution: Solution) -> LitModel:
         """The lit model of a solution."""
-        patches, scene = solution.patches, solution.patches.scene
-        surfaces = [
-            (s.name, s.material, reflectance, False)
-            for s, reflectance in zip(scene.surfaces, _surface_reflectance(solution), strict=True)
-        ]
-        back = np.flatnonzero(patches.two_sided)
-        if not len(back):
-            native, values = patches._native, (
-                solution.emission, solution.irradiance, solution.radiosity, solution.error
-            )  # fmt: skip
-        else:
-            native, surfaces = _with_backs(solution, back, surfaces)
-            values = (
-                np.concatenate([solution.emission, solution.emission[back]]),
-                np.concatenate([solution.irradiance, solution.back_irradiance[back]]),
-                np.concatenate([solution.radiosity, solution.back_radiosity[back]]),
-                np.concatenate([solution.error, solution.back_error[back]]),
-            )
-        return cls(
-            native, surfaces, list(scene.bands), *values, list(scene.cameras), solution.report.to_dict(timed=False)
-        )
+        patches, back = solution.patches, np.flatnonzero(solution.patches.two_sided)
+        native = _with_backs(solution.patches, back) if len(back) else patches._native
+        scene = patches.scene
+        return cls(native, bands=list(scene.bands), cameras=list(scene.cameras), **_light_of(solution, back))
+
+    def relit(self, solution: Solution) -> LitModel:
+        """The same patches with the light of another solution on them.
+
+        Raises:
+            ValueError: the solution is on other patches.
+        """
+        back = np.flatnonzero(solution.patches.two_sided)
+        if len(solution.patches) + len(back) != len(self.patches):
+            raise ValueError("the solution is on other patches than the model")
+        return replace(self, **_light_of(solution, back))
 
     def _native_fields(self) -> tuple[Any, ...]:
         blocks = [np.ascontiguousarray(v) for v in (self.emission, self.irradiance, self.radiosity, self.error)]
@@ -90,19 +85,33 @@ def _surface_reflectance(solution: Solution) -> list[list[float]]:
     return [[float(r) for r in row] for row in sums / np.maximum(count, 1)[:, None]]
 
 
-def _with_backs(
-    solution: Solution, back: npt.NDArray[np.intp], surfaces: list[_native.LitSurfaceTuple]
-) -> tuple[_native.Patches, list[_native.LitSurfaceTuple]]:
-    """Patches and surfaces with the backs of two-sided ones as patches and surfaces of their own."""
-    p = solution.patches
+def _light_of(solution: Solution, back: npt.NDArray[np.intp]) -> dict[str, Any]:
+    """The fields of a lit model that are not of its geometry; ``back`` are the patches whose backs count."""
+    surfaces = [
+        (s.name, s.material, reflectance, False)
+        for s, reflectance in zip(solution.patches.scene.surfaces, _surface_reflectance(solution), strict=True)
+    ]
+    if len(back):
+        surfaces += [(f"{name} (back)", paint, rho, both) for name, paint, rho, both in surfaces]
+    return {
+        "surfaces": surfaces,
+        "emission": np.concatenate([solution.emission, solution.emission[back]]),
+        "irradiance": np.concatenate([solution.irradiance, solution.back_irradiance[back]]),
+        "radiosity": np.concatenate([solution.radiosity, solution.back_radiosity[back]]),
+        "error": np.concatenate([solution.error, solution.back_error[back]]),
+        "report": solution.report.to_dict(timed=False),
+    }
+
+
+def _with_backs(p: Patches, back: npt.NDArray[np.intp]) -> _native.Patches:
+    """Patches, and the backs of two-sided ones as patches and surfaces of their own."""
     triangle = np.all(p.polygons[back, 2] == p.polygons[back, 3], axis=1)
     order = np.where(triangle[:, None], [2, 1, 0, 0], [3, 2, 1, 0])
     reversed_polygons = np.take_along_axis(p.polygons[back], order[:, :, None], axis=1)
     polygons = np.concatenate([p.polygons, reversed_polygons])
-    surface = np.concatenate([p.surface, p.surface[back] + np.uint32(len(surfaces))])
+    surface = np.concatenate([p.surface, p.surface[back] + np.uint32(len(p.scene.surfaces))])
     face = np.concatenate([p.face, p.face[back]])
-    native = _native.Patches(polygons, surface, face, np.zeros(len(polygons), dtype=bool))
-    return native, surfaces + [(f"{name} (back)", paint, rho, both) for name, paint, rho, both in surfaces]
+    return _native.Patches(polygons, surface, face, np.zeros(len(polygons), dtype=bool))
 
 
 def load_lit(path: PathLike) -> LitModel | None:

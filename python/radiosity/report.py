@@ -16,6 +16,7 @@ _LIMITS = {
     "samples": "the samples were given: solve the scene afresh for more",
     "solver": "the solver did not converge: the answer is not the equilibrium",
     "hemicubes": "the most hemicubes per patch were drawn: use smaller patches, or another solver",
+    "observer": "it was told to stop",
 }
 
 _STOPS = {
@@ -103,6 +104,11 @@ class Report:
         """Whether the estimated error is within the accuracy asked for."""
         return self.limited_by == "accuracy"
 
+    @property
+    def limit(self) -> str:
+        """What ended the solve, and what to do about it, in words."""
+        return _LIMITS[self.limited_by]
+
     def to_dict(self, *, timed: bool = True) -> dict[str, Any]:
         """Plain numbers, strings and lists, ready for JSON; not ``timed``, the same for the same seed."""
         items = asdict(self) | {"reached": self.reached}
@@ -119,7 +125,7 @@ class Report:
             ("  by sampling", f"{self.sampling_error:.3%}"),
             ("  by patch size", f"{self.discretisation_error:.3%}"),
             ("  by the mesh", f"{self.mesh_error:.3%}" + ("" if self.of_field else _NOT_COUNTED)),
-            ("stopped because", _LIMITS[self.limited_by]),
+            ("stopped because", self.limit),
             ("emitted", powers(self.emitted)),
             ("arrived from lights", powers(self.from_lights)),
             ("absorbed", powers(self.absorbed)),

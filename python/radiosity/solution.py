@@ -23,7 +23,7 @@ from radiosity.scene import Scene
 from radiosity.snapshot import OnIterate, handed_to
 
 if TYPE_CHECKING:
-    from radiosity.adaptive import Step
+    from radiosity.adaptive import OnRefine, Step
     from radiosity.sensitivity import Functional, Sensitivity
 
 Floats = npt.NDArray[np.float64]
@@ -240,6 +240,7 @@ def solve(
     solver: Solver | None = None,
     max_iterations: int | None = None,
     on_iterate: OnIterate | None = None,
+    on_refine: OnRefine | None = None,
     closure: Literal["balanced", "exact"] = "balanced",
     max_rays: int = MAX_RAYS,
     memory_limit: int | None = None,
@@ -279,6 +280,9 @@ def solve(
         on_iterate: called with a :class:`Snapshot` before the first iteration and after each; the solve waits for it,
             ends if it returns False, and ends with its exception if it raises one. With ``transport``, or a solver that
             shoots.
+        on_refine: called with the :class:`Solution` on each mesh of the engine's own as soon as it is there; the solve
+            waits for it, ends with that solution if it returns False, and ends with its exception if it raises one.
+            Never called where the mesh is given, or even.
         closure: "balanced" scales the rows of the exchange to their known sums within the accuracy, "exact" to 1e-9.
         max_rays: most rays per patch.
         memory_limit: bytes that samples and operator may take (default: four fifths of what is available). With
@@ -301,7 +305,7 @@ def solve(
     memory, why = memory_or_most(memory_limit), ""
     if isinstance(scene, Scene) and _is_adaptable(scene, transport, solver, start, on_iterate):
         sampling = Sampling(solver or "conjugate_gradient", max_iterations, closure, max_rays, memory, threads, seed)
-        return _solve_adaptively(scene, accuracy, sampling, max_patches, time_limit, focus, progress)
+        return _solve_adaptively(scene, accuracy, sampling, max_patches, time_limit, focus, progress, on_refine)
     if focus is not None or (max_patches is not None and isinstance(scene, Patches)):
         raise ValueError("max_patches and focus are for a mesh of the engine's own: pass a scene, without a transport")
     patches = (
@@ -412,6 +416,7 @@ def _solve_adaptively(
     time_limit: float | None,
     focus: str | None,
     progress: Progress | None,
+    on_refine: OnRefine | None,
 ) -> Solution:
     from radiosity import adaptive  # noqa: PLC0415
 
@@ -427,7 +432,7 @@ def _solve_adaptively(
 
     limits = adaptive.Limits(most, math.inf if time_limit is None else float(time_limit))
     weigh = None if focus is None else adaptive.focus_on(scene, focus)
-    return adaptive.solve_adaptively(scene, float(accuracy), solve_on, limits, weigh, progress)
+    return adaptive.solve_adaptively(scene, float(accuracy), solve_on, limits, weigh, progress, on_refine)
 
 
 def _way(

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from radiosity.cli import check, demo, design, factors, render, scenes, solve
+from radiosity.cli import check, demo, design, factors, render, scenes, solve, view
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -38,6 +38,7 @@ def _radiosity(
 app.command("solve")(solve.solve)
 app.command("design")(design.design)
 app.command("render")(render.render)
+app.command("view")(view.view)
 app.command("factors")(factors.factors)
 app.command("check")(check.check)
 app.command("demo")(demo.demo)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from radiosity.cli import options, output, picture, source
-from radiosity.cli.failure import ExitCode, Stop, bad_argument
+from radiosity.cli.failure import bad_argument
 from radiosity.cli.solve import Effort, solve_target
-
-if TYPE_CHECKING:
-    from radiosity.files import LitModel
 
 Outputs = Annotated[
     list[Path], typer.Option("--output", "-o", metavar="FILE", help="Where to save: .png or .exr; may be repeated.")
@@ -54,7 +51,7 @@ def render(
     tone = picture.Tone(picture.read_exposure(exposure), false_colours)
     meshing, effort = source.Meshing(max_edge, patches, as_is), Effort(accuracy, threads=threads, seed=seed)
     source.use_threads(threads)
-    lit = _open_lit(file, unit)
+    lit = source.open_lit(file, unit)
     solution = None
     if lit is None:
         scene = source.open_unlit(file, unit=unit, two_sided=two_sided)
@@ -74,24 +71,3 @@ def render(
             print(f"colours from {scale[0]:.4g} to {scale[1]:.4g}")
     if solution is not None:
         output.demand_accuracy(file, solution.report)
-
-
-def _open_lit(file: str, unit: str | None) -> LitModel | None:
-    """The lit model in FILE; None if it is a scene that is not lit yet.
-
-    Raises:
-        Stop: the file is damaged, or a lit model is given a unit.
-    """
-    from radiosity.files import load_lit
-
-    path = Path(file)
-    if source.builtin_name(file) is not None or path.suffix.lower() != ".glb" or not path.is_file():
-        return None
-    try:
-        lit = load_lit(path)
-    except OSError as error:
-        why = (error.strerror or str(error)).removeprefix(f"{file}: ")
-        raise Stop(ExitCode.INPUT, f"{file}: {why}") from error
-    if lit is not None and unit is not None:
-        raise bad_argument("lit models are in metres: leave out --unit")
-    return lit

@@ -14,6 +14,7 @@ from radiosity.cli.failure import ExitCode, Stop, bad_argument
 
 if TYPE_CHECKING:
     from radiosity import Patches, Scene
+    from radiosity.files import LitModel
 
 BUILTIN = "builtin:"
 
@@ -91,6 +92,27 @@ def open_unlit(file: str, *, unit: str | None = None, two_sided: bool | None = N
     if lit:
         raise SceneError(f"{file}: {lit[0]}")
     return scene
+
+
+def open_lit(file: str, unit: str | None) -> LitModel | None:
+    """The lit model in FILE; None if it is a scene that is not lit yet.
+
+    Raises:
+        Stop: the file is damaged, or a lit model is given a unit.
+    """
+    from radiosity.files import load_lit
+
+    path = Path(file)
+    if builtin_name(file) is not None or path.suffix.lower() != ".glb" or not path.is_file():
+        return None
+    try:
+        lit = load_lit(path)
+    except OSError as error:
+        why = (error.strerror or str(error)).removeprefix(f"{file}: ")
+        raise Stop(ExitCode.INPUT, f"{file}: {why}") from error
+    if lit is not None and unit is not None:
+        raise bad_argument("lit models are in metres: leave out --unit")
+    return lit
 
 
 def sides_of_factors(file: str, two_sided: bool | None) -> bool | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy.typing as npt
 from radiosity import _native
 from radiosity.files import LitModel
 from radiosity.picture import default_camera
+from radiosity.scene import Camera
 from radiosity.viewer.messages import VERSION, CameraHead, LampHead, LightHead, SceneHead, SurfaceHead
 from radiosity.viewer.packet import pack
 
@@ -29,6 +30,7 @@ class Lit:
         unit: "W/m2" or "lux".
         title: for the page.
         is_lit: whether there is light in it yet.
+        up: the axis that is up.
     """
 
     model: LitModel
@@ -76,6 +78,16 @@ class Lit:
 def corner_irradiance(model: LitModel) -> Floats:
     """(n, 4, bands) W/m2: the field at the corners of patches, as pictures show it; never below zero."""
     return np.maximum(_native.corner_field(model.patches, np.ascontiguousarray(model.irradiance)), 0.0)
+
+
+def up_axis(cameras: Iterable[Camera]) -> tuple[float, float, float]:
+    """The axis that is up for all cameras, as near as an axis can be; y if they do not agree."""
+    axes = set()
+    for camera in cameras:
+        k = int(np.argmax(np.abs(camera.up)))
+        axes.add((k, float(np.sign(camera.up[k]))))
+    axis, sign = axes.pop() if len(axes) == 1 else (1, 1.0)
+    return _triple(sign * np.eye(3)[axis])
 
 
 def _surfaces(model: LitModel) -> list[SurfaceHead]:

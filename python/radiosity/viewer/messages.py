@@ -17,6 +17,9 @@ Triple = tuple[float, float, float]
 VERSION = 1
 """Of the packets and messages; a page of another version says so."""
 
+MOST_REFLECTANCE = 0.99
+"""The most that paint may reflect: the closer to 1, the longer light takes to find its equilibrium."""
+
 
 @dataclass(frozen=True)
 class SurfaceHead:
@@ -126,8 +129,9 @@ class Relight:
     """Asks for the light with other paint and lamps; the latest one counts.
 
     Attributes:
-        reflectance: of surfaces, by index as a string; those left out are as in the scene.
-        lamps: what multiplies each lamp, per band; those left out shine as in the scene.
+        reflectance: of surfaces, by index as a string, 0 to 0.99; those left out are as in the scene. Both sides of a
+            two-sided surface have the same paint: name either.
+        lamps: what multiplies each lamp, per band, by index as a string; those left out shine as in the scene.
     """
 
     reflectance: dict[str, Spectrum]
