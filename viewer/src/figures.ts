@@ -13,6 +13,12 @@ export function duration(seconds: number): string {
   return `${seconds >= 9.95 ? Math.round(seconds) : Number(seconds.toPrecision(2))} s`;
 }
 
+/** The same on an axis: 0.5 s, 30 s, 1:30. */
+export function clock(seconds: number): string {
+  if (seconds < 60) return duration(seconds);
+  return `${Math.floor(seconds / 60)}:${String(Math.round(seconds % 60)).padStart(2, "0")}`;
+}
+
 /** Three significant digits: 0.0123, 1.20, 123, 12,300, 1.23e-5; zero is 0. */
 export function figures(value: number): string {
   if (!Number.isFinite(value)) return "–";

@@ -34,7 +34,8 @@ export class Legend {
     if (!isBar && !stage.hasIsolines) return 0;
     const height = isBar ? (stage.hasIsolines ? 82 : 64) : 30;
     context.clearRect(0, 0, WIDTH, height);
-    panel(context, WIDTH, height);
+    context.font = `11px ${FONT}`;
+    panel(context, isBar ? WIDTH : context.measureText(this.lines).width + 2 * BAR.left, height);
     if (isBar) this.drawBar(context);
     if (stage.hasIsolines) text(context, this.lines, 16, height - 10, "#a0a4ad");
     return height;
@@ -59,7 +60,9 @@ export class Legend {
 
   private show(): void {
     const { stage, element } = this;
-    const key = JSON.stringify([this.hasBar, stage.hasIsolines, this.title, this.hasBar && stage.range, stage.hasIsolines && this.lines, stage.settings.map, stage.settings.isLogarithmic, devicePixelRatio]);
+    const { map, isLogarithmic } = stage.settings;
+    const shown = this.hasBar && [this.title, stage.range, map, isLogarithmic];
+    const key = JSON.stringify([shown, stage.hasIsolines && this.lines, devicePixelRatio]);
     if (key === this.drawn) return;
     this.drawn = key;
     const context = element.getContext("2d")!;

@@ -9,6 +9,9 @@ const SIZE = 48;
 /** Milliseconds from one measurement to the next while the view moves: reading back holds up the graphics card. */
 const PAUSE = 100;
 
+/** Where measuring takes long, this many times as long passes between. */
+const PATIENCE = 4;
+
 /** Seconds in which the exposure comes nearer by a factor of e, where it adapts: most of the way in half a second. */
 const ADAPTS = 0.15;
 
@@ -22,6 +25,7 @@ export class Meter {
   isSmooth = false;
   private wanted = 1;
   private last = -Infinity;
+  private took = 0;
   private isFresh = false;
   private readonly target = new THREE.WebGLRenderTarget(SIZE, SIZE, { type: THREE.FloatType });
   private readonly pixels = new Float32Array(4 * SIZE * SIZE);
@@ -40,7 +44,7 @@ export class Meter {
    */
   adapt(renderer: THREE.WebGLRenderer, seconds: number, render: () => void): boolean {
     const now = performance.now();
-    const isDue = now - this.last >= PAUSE;
+    const isDue = now - this.last >= Math.max(PAUSE, PATIENCE * this.took);
     if (isDue) this.measure(renderer, render, now);
     const step = this.isSmooth && !this.isFresh ? 1 - Math.exp(-seconds / ADAPTS) : 1;
     const gap = Math.log(this.wanted / this.exposure);
@@ -58,7 +62,6 @@ export class Meter {
 
   private measure(renderer: THREE.WebGLRenderer, render: () => void, now: number): void {
     const { target, pixels } = this;
-    this.last = now;
     const before = renderer.getRenderTarget();
     renderer.setRenderTarget(target);
     renderer.setClearColor(0, 0);
@@ -67,6 +70,8 @@ export class Meter {
     renderer.readRenderTargetPixels(target, 0, 0, SIZE, SIZE, pixels);
     renderer.setRenderTarget(before);
     this.wanted = exposureOf(pixels);
+    this.last = performance.now();
+    this.took = this.last - now;
   }
 }
 

@@ -1,6 +1,6 @@
 // The error as it falls: a plot of curves over time with a logarithmic scale, as SVG.
 
-import { duration, percent } from "./figures";
+import { clock, percent } from "./figures";
 
 export interface Curve {
   name: string;
@@ -39,6 +39,13 @@ export function linearTicks({ high }: Scale): number[] {
   return Array.from({ length: Math.floor(high / step + 1e-9) + 1 }, (_, k) => k * step);
 }
 
+/** Round times of a linear scale in seconds, some four of them. */
+export function timeTicks(scale: Scale): number[] {
+  const step = [15, 30, 60, 120, 300, 600, 1200, 1800, 3600].find((seconds) => scale.high <= 5 * seconds);
+  if (scale.high < 60 || !step) return linearTicks(scale);
+  return Array.from({ length: Math.floor(scale.high / step) + 1 }, (_, k) => k * step);
+}
+
 /** Its decades. */
 export function logarithmicTicks({ low, high }: Scale): number[] {
   const first = Math.round(Math.log10(low));
@@ -62,8 +69,10 @@ export function plot(title: string, curves: Curve[], wanted: number): SVGSVGElem
     svg.append(element("path", { class: "grid", d: `M${MARGIN.left} ${y(tick)}H${WIDTH - MARGIN.right}` }));
     svg.append(label(percent(tick), { x: MARGIN.left - 6, y: y(tick) + 3, "text-anchor": "end" }));
   }
-  for (const tick of linearTicks(scaleX))
-    svg.append(label(duration(tick), { x: x(tick), y: HEIGHT - 6, "text-anchor": tick ? "middle" : "start" }));
+  for (const tick of timeTicks(scaleX)) {
+    const anchor = !tick ? "start" : scaleX(tick) > 0.95 ? "end" : "middle";
+    svg.append(label(clock(tick), { x: x(tick), y: HEIGHT - 6, "text-anchor": anchor }));
+  }
   if (wanted > 0) {
     svg.append(element("path", { class: "wanted", d: `M${MARGIN.left} ${y(wanted)}H${WIDTH - MARGIN.right}` }));
     svg.append(label("wanted", { class: "wanted", x: MARGIN.left + 4, y: y(wanted) - 4 }));

@@ -9,7 +9,8 @@ const ELEMENT = "radiosity-scene";
 export async function embedded(): Promise<Packet | null> {
   const text = document.getElementById(ELEMENT)?.textContent?.trim();
   if (!text) return null;
-  const stream = new Blob([decoded(text)]).stream().pipeThrough(new DecompressionStream("gzip"));
+  // Not from a Blob: browsers keep those in another process, in small pieces.
+  const stream = new Response(decoded(text)).body!.pipeThrough(new DecompressionStream("gzip"));
   return unpack(await new Response(stream).arrayBuffer());
 }
 

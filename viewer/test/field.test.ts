@@ -49,7 +49,7 @@ describe("the field at a place", () => {
   const shader = (isTriangle: boolean, s: number, t: number): number[] => {
     const expressions = [...FRAGMENT.matchAll(/[?:] vec4\((.*)\)[;\n]/g)].map((match) => match[1]);
     const text = expressions[isTriangle ? 0 : 1];
-    return new Function("st", `return [${text}]`)({ x: s, y: t }) as number[];
+    return new Function("at", `return [${text}]`)({ x: s, y: t }) as number[];
   };
 
   test.each([[0.3, 0.2], [0.9, 0.1], [0.5, 0.5]])("is weighed as the picture weighs it at %d, %d", (s, t) => {

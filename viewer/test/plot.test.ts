@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { duration, factor, figures, metres, percent, whole } from "../src/figures";
-import { linearScale, linearTicks, logarithmicScale, logarithmicTicks } from "../src/plot";
+import { clock, duration, factor, figures, metres, percent, whole } from "../src/figures";
+import { linearScale, linearTicks, logarithmicScale, logarithmicTicks, timeTicks } from "../src/plot";
 
 describe("scales of the plot", () => {
   test("logarithmic: whole decades around the values", () => {
@@ -29,6 +29,13 @@ describe("scales of the plot", () => {
   });
 });
 
+test.each([61, 100, 150, 400, 3000])("times to %d s: two to six, of whole quarters of minutes", (high) => {
+  const ticks = timeTicks(linearScale([high]));
+  expect(ticks.length).toBeGreaterThanOrEqual(2);
+  expect(ticks.length).toBeLessThanOrEqual(6);
+  expect(ticks.every((tick) => tick % 15 === 0 && tick <= high)).toBe(true);
+});
+
 describe("numbers for people", () => {
   test("shares", () => {
     expect([0.019, 0.12, 0.0005, 1, 0, NaN].map(percent)).toEqual(["1.9 %", "12 %", "0.05 %", "100 %", "0 %", "unknown"]);
@@ -36,6 +43,7 @@ describe("numbers for people", () => {
 
   test("seconds", () => {
     expect([0.0412, 3.24, 42.4, 125].map(duration)).toEqual(["0.041 s", "3.2 s", "42 s", "2 min 5 s"]);
+    expect([0, 30, 90, 600].map(clock)).toEqual(["0 s", "30 s", "1:30", "10:00"]);
   });
 
   test("values", () => {

@@ -244,9 +244,10 @@ export class Probe {
     const label = (origin: Origin): Label => ({
       point: origin.point, text: `${this.lit!.head.surfaces[origin.surface].name} ${percent(share(origin))}`,
     });
-    this.labels.show([
-      { point: place.point, text: "", kind: "mark" }, ...lines.slice(0, pointed === null ? LABELS : BEAMS).map(label),
-    ]);
+    // A surface is named once, where most of its light leaves.
+    const named = lines.filter(({ surface }, k) => lines.findIndex((line) => line.surface === surface) === k);
+    const mark = { point: place.point, text: "", kind: "mark" };
+    this.labels.show([mark, ...(pointed === null ? named.slice(0, LABELS) : lines).map(label)]);
   }
 }
 
