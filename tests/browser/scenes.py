@@ -82,3 +82,28 @@ class Seen:
                 same &= np.roll(grid, shift, axis) == grid
         same[[0, -1]] = same[:, [0, -1]] = False
         return np.asarray(same.ravel() & (surface >= 0))
+
+
+@cache
+def two_lamps() -> radiosity.Solution:
+    """A closed box with a block in it, a warm lamp on the ceiling and a cold one on a wall."""
+    warm, cold = (60.0, 40.0, 15.0), (4.0, 10.0, 24.0)
+
+    def quad(
+        name: str, corners: list[list[float]], reflectance: object = 0.6, emission: object = 0.0
+    ) -> radiosity.Surface:
+        return radiosity.Surface(np.array(corners), np.array([[0, 1, 2, 3]]), reflectance, emission, name)
+
+    walls = [
+        quad("floor", [[0, 0, 0], [0, 0, 3], [4, 0, 3], [4, 0, 0]], (0.5, 0.4, 0.3)),
+        quad("ceiling", [[0, 2, 0], [4, 2, 0], [4, 2, 3], [0, 2, 3]], 0.8),
+        quad("left", [[0, 0, 0], [0, 2, 0], [0, 2, 3], [0, 0, 3]], (0.6, 0.1, 0.1)),
+        quad("right", [[4, 0, 0], [4, 0, 3], [4, 2, 3], [4, 2, 0]], (0.1, 0.5, 0.2)),
+        quad("back", [[0, 0, 0], [4, 0, 0], [4, 2, 0], [0, 2, 0]]),
+        quad("front", [[0, 0, 3], [0, 2, 3], [4, 2, 3], [4, 0, 3]]),
+        quad("warm lamp", [[1, 1.99, 1], [2, 1.99, 1], [2, 1.99, 2], [1, 1.99, 2]], 0.5, warm),
+        quad("cold lamp", [[3.99, 0.5, 1], [3.99, 0.5, 2], [3.99, 1.5, 2], [3.99, 1.5, 1]], 0.5, cold),
+    ]
+    camera = radiosity.Camera.look_at((2.0, 1.0, 2.9), (2.0, 0.9, 0.0), vertical_fov=1.0)
+    scene = radiosity.Scene(walls, cameras=[camera], name="Two lamps", bands=["R", "G", "B"])
+    return radiosity.solve(scene.patches(count=900), accuracy=0.05)
