@@ -8,7 +8,7 @@ const STANDING = 2.2;
 const ROOM = 10;
 
 /** Metres beyond which a person would walk for too long. */
-const LANDSCAPE = 400;
+const LANDSCAPE = 1000;
 
 export interface Body {
   /** Relative to a person. */

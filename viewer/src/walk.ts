@@ -67,7 +67,7 @@ export class Walker {
   advance(seconds: number, wish: Wish): boolean {
     const before = this.eye.clone();
     const way = this.way(wish).multiplyScalar(seconds);
-    if (way.lengthSq()) this.hasMoved = true;
+    if (way.lengthSq() && !this.hasMoved) this.getUp();
     if (this.isFlying) this.fly(way);
     else if (this.hasMoved) this.walk(way, seconds);
     return !before.equals(this.eye);
@@ -98,6 +98,17 @@ export class Walker {
     if (isFlying) way.addScaledVector(compass.up, up);
     if (way.lengthSq() > 1) way.normalize();
     return way.multiplyScalar(body.speed * this.hurry * (isFast ? HURRY : 1) * (isFlying ? FLYING : 1));
+  }
+
+  /** With the first step: whoever looked from lower than the eyes are has the feet below the ground. */
+  private getUp(): void {
+    const { obstacles, body, eye, compass } = this;
+    this.hasMoved = true;
+    if (!obstacles || this.isFlying) return;
+    const rise = body.eye - obstacles.distance(eye, compass.up.clone().negate(), body.eye);
+    const above = eye.clone().addScaledVector(compass.up, rise);
+    if (!(rise > 0) || !obstacles.isFree(this.axis(above), body.radius)) return;
+    this.offset = -rise;
   }
 
   private fly(way: Vector3): void {

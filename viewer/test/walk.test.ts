@@ -96,6 +96,17 @@ test("nobody falls where there is no ground, or before the first step", () => {
   expect(walk(who, 1).y).toBe(3);
 });
 
+test("whoever looked from near the ground gets up to walk", () => {
+  const who = walker(block([-5, 0, -2.2], [5, 3, -2]));
+  who.placeAt(new Vector3(0, 0.8, 0), new Vector3(0, 0, -1));
+  who.advance(1 / 60, AHEAD);
+  expect(who.eye.y).toBeGreaterThan(0.8); // and not at once
+  expect(who.eye.y).toBeLessThan(1.2);
+  const eye = walk(who, 3);
+  expect(eye.y).toBeCloseTo(1.65, 3);
+  expect(eye.z).toBeGreaterThan(-1.8);
+});
+
 test("flying goes where it looks, and stops above the ground", () => {
   const who = walker();
   who.isFlying = true;
@@ -119,5 +130,5 @@ test("bodies fit scenes, and say so where they are no person's", () => {
   const box = bodyFor(0.55, 0.56); // the Cornell box
   expect(box.eye).toBeCloseTo(0.4125, 10);
   expect(remark(box)).toBe("This scene is too small to stand in, so you are 1 : 4 of a person.");
-  expect(remark(bodyFor(300, 4000))).toContain("10 times as large");
+  expect(remark(bodyFor(300, 4000))).toContain("4 times as large");
 });

@@ -116,7 +116,7 @@ export class View {
     const { settings, exposure } = this.app.stage;
     if (document.activeElement === this.stopsNumber) return;
     const stops = settings.isExposureAutomatic ? Math.log2(exposure * this.radiance) : settings.exposure;
-    const text = stops.toFixed(1);
+    const text = (Math.round(10 * stops) / 10 + 0).toFixed(1); // never -0.0
     if (text !== this.stopsNumber.value) this.stops.value = this.stopsNumber.value = text;
   }
 
