@@ -1,7 +1,9 @@
 """Keys, mouse and fingers move the view; links bring it back; what cannot be shown is said."""
 
+from pathlib import Path
+
 import numpy as np
-from conftest import Open
+from conftest import Open, pixels
 from playwright.sync_api import Page
 from scenes import cornell, lit
 
@@ -71,7 +73,7 @@ def test_a_key_starts_walking_and_a_drag_looks_around(open_lit: Open) -> None:
     assert np.isclose(angle, 100 / 600 * page.evaluate("radiosity.app.stage.verticalAngle"), rtol=1e-3)
 
 
-def test_fingers_look_around_and_push_the_stick(open_lit: Open, browser: object) -> None:
+def test_fingers_look_around_and_walk(open_lit: Open) -> None:
     page = open_lit(lit(cornell()), width=390, height=844)
     page.evaluate("radiosity.mode = 'walk'")
     touch = page.context.new_cdp_session(page)
@@ -112,10 +114,8 @@ def test_a_link_brings_view_and_settings_back(open_lit: Open) -> None:
     assert page.evaluate("radiosity.mode") == "fly"
 
 
-def test_pages_without_a_scene_and_with_a_damaged_one_say_so(open_page: Open, tmp_path: object) -> None:
-    from pathlib import Path
-
-    path = Path(str(tmp_path)) / "page.html"
+def test_pages_without_a_scene_and_with_a_damaged_one_say_so(open_page: Open, tmp_path: Path) -> None:
+    path = tmp_path / "page.html"
     path.write_text(empty_page(), encoding="utf-8")
     page = open_page(path.as_uri(), ready=False)
     page.get_by_text("There is no scene here").wait_for()
@@ -134,6 +134,4 @@ def test_a_graphics_card_that_comes_back_shows_the_picture_again(open_lit: Open)
     page.get_by_text("The graphics card was taken away").wait_for(state="hidden")
     drawn = page.evaluate("radiosity.statistics.drawn")
     page.wait_for_function("drawn => radiosity.statistics.drawn >= drawn", arg=drawn)
-    from conftest import pixels
-
     assert np.mean(pixels(page) > 60) > 0.3  # middle grey is 118 of 255

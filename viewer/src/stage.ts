@@ -42,6 +42,7 @@ export class Stage {
   private readonly material: THREE.RawShaderMaterial;
   /** The vertical angle of the viewpoint, radians; narrow pictures see more than that. */
   private angle = THREE.MathUtils.degToRad(50);
+  /** The highest value of an automatic scale; null until somebody asks. */
   private known: number | null = null;
   private isStale = true;
   private last = performance.now();
@@ -87,7 +88,7 @@ export class Stage {
   set(change: Partial<Settings>): void {
     const before = this.settings;
     this.settings = { ...before, ...change };
-    const { quantity, band, smooth, map } = this.settings;
+    const { quantity, band, smooth, map, unit } = this.settings;
     if (map !== before.map) {
       (this.colours.image.data as Uint8Array).set(table(map));
       this.colours.needsUpdate = true;
@@ -96,7 +97,7 @@ export class Stage {
       this.meter.forget();
       this.takeValues();
     }
-    this.known = null;
+    if (unit !== before.unit) this.known = null;
     this.invalidate();
   }
 
