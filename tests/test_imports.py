@@ -27,6 +27,8 @@ def test_the_command_line_imports_nothing_heavy_before_it_must() -> None:
 
 
 def test_the_package_imports_no_server() -> None:
-    script = "import sys, radiosity; radiosity.solve; radiosity.viewer; print({'starlette', 'uvicorn'} & set(sys.modules))"
+    script = (
+        "import sys, radiosity; radiosity.solve; radiosity.viewer; print({'starlette', 'uvicorn'} & set(sys.modules))"
+    )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout == "set()\n"
