@@ -185,7 +185,7 @@ def test_layers_are_sent_and_repainted(sessions: list[Session], lit_room: radios
 
 def test_stop_keeps_the_best_so_far(sessions: list[Session], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solving, "BUDGET", 0.1)
-    page = begin(sessions, radiosity.scenes.cornell_box(), accuracy=1e-4)
+    page = begin(sessions, radiosity.scenes.cornell_box(), accuracy=0.004)
     page.until(type="scene", is_lit=True)
     page.session.take(Stop(), page.hear)
     status, _ = page.until(type="status", stage="ready")
