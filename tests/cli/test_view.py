@@ -54,7 +54,7 @@ def test_layers_of_a_lit_model_are_refused(run: Runner, tmp_path: Path) -> None:
     ("arguments", "code", "sentence"),
     [
         (["builtin:nowhere"], 2, "there is no built-in scene 'nowhere'"),
-        (["none.glb"], 2, "none.glb: No such file or directory"),
+        (["none.glb"], 3, "none.glb: "),
         ([*QUICK, "--export", "room.png"], 2, "room.png: name a file that ends in .html or .htm"),
         ([*QUICK, "--export", "no/room.html"], 2, "the folder no does not exist"),
         ([*QUICK, "--export", "room.html", "--port", 8000], 2, "leave out --port and --no-browser"),

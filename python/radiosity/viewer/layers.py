@@ -120,7 +120,7 @@ def adding_up(layers: list[LitModel], model: LitModel) -> list[LitModel]:
 
 def _scale(parts: list[Floats], whole: Floats) -> Floats:
     total = np.sum(parts, axis=0)
-    return np.divide(whole, total, out=np.ones_like(total), where=total > 0)
+    return np.asarray(np.divide(whole, total, out=np.ones_like(total), where=total > 0))
 
 
 def _surfaces(patches: Patches, emission: Floats) -> Iterable[_Source]:

@@ -195,9 +195,11 @@ class _Climb:
             self._at = math.log(self._first / error) / math.log(self._first / self._wanted)
 
     def within(self, share: float) -> float:
-        """With that share of the next solve done; of the only one, as long as none is."""
-        step = min(self.STEP, 1 - self._at) if self._first else 1.0
-        self._said = min(max(self._said, self._at + step * share), 1.0)
+        """With that share of what is being solved done."""
+        if not self._first:
+            # One stage after another, as the engine tells it: it may be the only solve.
+            return share
+        self._said = max(self._said, min(self._at + self.STEP * share, 1.0))
         return self._said
 
 
