@@ -16,7 +16,7 @@ from radiosity.solution import Solution
 from radiosity.viewer import rough
 from radiosity.viewer.board import LIGHT, SCENE, Board
 from radiosity.viewer.lit import Lit
-from radiosity.viewer.messages import Convergence, Status
+from radiosity.viewer.messages import Convergence, Status, percent
 from radiosity.viewer.settings import Settings
 
 BUDGET = 3.0
@@ -91,7 +91,9 @@ class Solving:
         if is_enough or self._pace.is_due():
             with self._pace:
                 done = math.log(max(unshot, rough.ENOUGH)) / math.log(rough.ENOUGH)
-                self._say("shooting", max(done, seconds / BUDGET), f"shooting: {unshot:.0%} of the light is unshot")
+                self._say(
+                    "shooting", max(done, seconds / BUDGET), f"shooting: {percent(unshot)} of the light is unshot"
+                )
                 self._board.say(
                     Convergence("shooting", seconds, unshot, len(snapshot.patches), snapshot.iteration, rough.ENOUGH)
                 )
@@ -137,10 +139,10 @@ class Solving:
         )
 
     def _text(self) -> str:
-        wanted = f"wanted {self._settings.accuracy:.2g}"
+        wanted = percent(self._settings.accuracy)
         if self._best is None:
-            return f"solving; {wanted}"
-        return f"solving: estimated error {self._best.report.estimated_error:.2g}, {wanted}"
+            return f"solving for an error of {wanted}"
+        return f"solving: estimated error {percent(self._best.report.estimated_error)}, wanted {wanted}"
 
     def fitting(self, solution: Solution) -> Lit:
         """How a solution is shown, on the same patches as before if it is on them."""
