@@ -150,7 +150,6 @@ class Session:
         if solution is None:
             self._ready("stopped with rough light only; open the scene again to have it solved", can_relight=False)
             return
-        solving.converged(solution)
         is_same = solving.is_shown(solution) and not self._settings.is_layered
         self._finish(solution, solving.fitting(solution), LIGHT if is_same else SCENE)
 

@@ -19,8 +19,8 @@ from radiosity.viewer.lit import Lit
 from radiosity.viewer.messages import Convergence, Status
 from radiosity.viewer.settings import Settings
 
-BUDGET = 8.0
-"""Seconds after which rough light is good enough, however much is unshot."""
+BUDGET = 3.0
+"""Seconds after which rough light is good enough, however much is unshot: what is to come is shown spread evenly."""
 
 OFTEN = 0.25
 """Seconds between packets, at least; and drawing them up takes no more than a fifth of the time."""
@@ -65,6 +65,8 @@ class Solving:
                 return None
             solution = self._best
             solution.report = replace(solution.report, limited_by="observer")
+        if not self.is_shown(solution):
+            self._converged(solution)
         return solution
 
     def _shoot(self, patches: Patches) -> None:
@@ -124,10 +126,10 @@ class Solving:
         self._best, self._best_lit = solution, lit
         self._climb.reached(error)
         self._say("solving", self._climb.within(0.0), self._text())
-        self.converged(solution)
+        self._converged(solution)
         return not self._is_stopped()
 
-    def converged(self, solution: Solution) -> None:
+    def _converged(self, solution: Solution) -> None:
         """A point of the plot."""
         report, wanted = solution.report, self._settings.accuracy
         self._board.say(
