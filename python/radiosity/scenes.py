@@ -11,6 +11,7 @@ import numpy.typing as npt
 from radiosity import _native
 from radiosity.city import city
 from radiosity.crater import crater
+from radiosity.ferren import ferren
 from radiosity.scene import Scene
 
 
@@ -70,6 +71,7 @@ BUILTIN_SCENES: dict[str, Callable[[], Scene]] = {
     "cornell-box-original": cornell_box_original,
     "city": city,
     "crater": crater,
+    "ferren": ferren,
     "furnished-room": furnished_room,
     "furnace": furnace,
     "two-plates": two_plates,

@@ -9,6 +9,8 @@ interface Heard {
   message: ToPage;
   open: undefined;
   closed: undefined;
+  /** What came is no packet; says why. */
+  damaged: string;
 }
 
 export class Link {
@@ -22,11 +24,24 @@ export class Link {
     this.socket.onclose = () => this.events.emit("closed", undefined);
     this.socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
       if (typeof data === "string") this.events.emit("message", JSON.parse(data) as ToPage);
-      else this.events.emit("packet", unpack(data));
+      else this.hear(data);
     };
   }
 
-  send(message: FromPage): void {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  private hear(data: ArrayBuffer): void {
+    let packet: Packet;
+    try {
+      packet = unpack(data);
+    } catch (error) {
+      return this.events.emit("damaged", (error as Error).message);
+    }
+    this.events.emit("packet", packet);
+  }
+
+  /** Whether it went out. */
+  send(message: FromPage): boolean {
+    const isOpen = this.socket.readyState === WebSocket.OPEN;
+    if (isOpen) this.socket.send(JSON.stringify(message));
+    return isOpen;
   }
 }

@@ -2,6 +2,7 @@
 
 import type { Quantity } from "./light";
 import type { ColourMap, Curve } from "./tone";
+import type { Unit } from "./units";
 
 export interface Settings {
   quantity: Quantity;
@@ -20,7 +21,7 @@ export interface Settings {
   isolines: boolean;
   mesh: boolean;
   /** What irradiance is shown in; another than the scene's is converted (see units.ts). */
-  unit: "W/m2" | "lux";
+  unit: Unit;
 }
 
 export const DEFAULTS: Settings = {

@@ -56,17 +56,19 @@ vec3 srgb(vec3 x) {
   return mix(12.92 * x, 1.055 * pow(max(x, 1e-9), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, x));
 }
 
-float line(float distance_, float width) {
+// A line along a side of a patch, one pixel on each of two patches; where patches are small it fades.
+float line(float distance_) {
   float pixel = fwidth(distance_);
-  return 1.0 - smoothstep(0.5 * width * pixel, (0.5 * width + 1.0) * pixel, abs(distance_));
+  return (1.0 - smoothstep(0.3 * pixel, 1.1 * pixel, abs(distance_))) * (1.0 - smoothstep(0.1, 0.35, pixel));
 }
 
 void main() {
   vec4 first = corner(0);
   bool isTriangle = first.a > 0.5;
+  vec2 at = clamp(st, 0.0, 1.0); // pixels that a patch covers in part may have their middle beside it
   vec4 weight = isTriangle
-    ? vec4(1.0 - st.x, st.x - st.y, st.y, 0.0)
-    : vec4((1.0 - st.x) * (1.0 - st.y), st.x * (1.0 - st.y), st.x * st.y, (1.0 - st.x) * st.y);
+    ? vec4(1.0 - at.x, at.x - at.y, at.y, 0.0)
+    : vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), at.x * at.y, (1.0 - at.x) * at.y);
   vec3 value = weight.x * first.rgb + weight.y * corner(1).rgb + weight.z * corner(2).rgb + weight.w * corner(3).rgb;
   if (look == 3) { colour = vec4(value, 1.0); return; }
 
@@ -81,15 +83,15 @@ void main() {
     colour.rgb = srgb(look == 0 ? curved(exposure * value) : clamp(value, 0.0, 1.0));
   }
   if (isolines > 0.0) {
-    float at = measure / isolines, pixel = fwidth(at);
-    float near = abs(fract(at + 0.5) - 0.5);
-    float on = 1.0 - smoothstep(0.5 * pixel, 1.5 * pixel, near);
+    float count = measure / isolines, pixel = fwidth(count);
+    float near = abs(fract(count + 0.5) - 0.5);
+    float on = 1.0 - smoothstep(0.3 * pixel, 1.2 * pixel, near);
     // Where lines would run together they fade.
     colour.rgb = mix(colour.rgb, vec3(look == 1 ? 1.0 : 0.0), 0.8 * on * (1.0 - smoothstep(0.3, 0.6, pixel)));
   }
   if (mesh > 0.0) {
-    float edge = max(line(st.y, 1.0), line(1.0 - st.x, 1.0));
-    edge = max(edge, isTriangle ? line(st.x - st.y, 1.0) : max(line(st.x, 1.0), line(1.0 - st.y, 1.0)));
+    float edge = max(line(st.y), line(1.0 - st.x));
+    edge = max(edge, isTriangle ? line(st.x - st.y) : max(line(st.x), line(1.0 - st.y)));
     float bright = dot(colour.rgb, vec3(0.3, 0.6, 0.1));
     colour.rgb = mix(colour.rgb, vec3(bright > 0.5 ? 0.0 : 1.0), mesh * edge);
   }

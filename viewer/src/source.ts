@@ -9,13 +9,31 @@ const ELEMENT = "radiosity-scene";
 export async function embedded(): Promise<Packet | null> {
   const text = document.getElementById(ELEMENT)?.textContent?.trim();
   if (!text) return null;
-  const zipped = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return unpack(await new Response(stream).arrayBuffer());
+  // Not from a Blob: browsers keep those in another process, in small pieces.
+  const stream = new Response(decoded(text)).body!.pipeThrough(new DecompressionStream("gzip"));
+  return unpack(await whole(stream));
 }
 
-/** Where the session listens: beside this page. */
-export function session(): URL {
+async function whole(stream: ReadableStream): Promise<ArrayBuffer> {
+  try {
+    return await new Response(stream).arrayBuffer();
+  } catch {
+    throw new Error("the scene is cut off");
+  }
+}
+
+/** The bytes of base64. */
+function decoded(text: string): Uint8Array<ArrayBuffer> {
+  if ("fromBase64" in Uint8Array) return (Uint8Array.fromBase64 as (text: string) => Uint8Array<ArrayBuffer>)(text);
+  const characters = atob(text);
+  const bytes = new Uint8Array(characters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
+  return bytes;
+}
+
+/** Where the session listens: beside this page; null if the page is a file, which nobody serves. */
+export function session(): URL | null {
+  if (!location.protocol.startsWith("http")) return null;
   const address = new URL("socket", location.href);
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
   address.search = address.hash = "";

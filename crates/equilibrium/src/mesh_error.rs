@@ -63,7 +63,7 @@ impl MeshError {
     }
 
     /// Mixes half of the sides from `first` on with those around them, by area.
-    fn smooth(&mut self, corners: &Corners, patches: &Patches, first: usize, bands: usize) {
+    fn smooth(&mut self, corners: &Corners<&Patches>, patches: &Patches, first: usize, bands: usize) {
         for patch in 0..patches.len() {
             let around = || corners.around(patch).filter(|&other| other != patch);
             let area: f64 = around().map(|other| patches.area[other]).sum();

@@ -6,6 +6,7 @@
 //! field tends to there, and not those of half a patch away.
 
 use std::f64::consts::PI;
+use std::ops::Deref;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -19,8 +20,8 @@ use crate::{Chart, DVec3, Patches};
 ///
 /// Corner values are `n_patches x 4 x columns`, in order of the corners of each polygon; a triangle repeats its last.
 #[derive(Clone, Debug)]
-pub struct Corners<'a> {
-    patches: &'a Patches,
+pub struct Corners<P> {
+    patches: P,
     /// For each corner the number of its group.
     group: Vec<u32>,
     /// Where the members of each group begin in `members`.
@@ -34,18 +35,18 @@ pub struct Corners<'a> {
 /// Creases are edges of at least this angle unless said otherwise: 30 degrees, in radians.
 pub const CREASE_ANGLE: f64 = PI / 6.0;
 
-impl<'a> Corners<'a> {
+impl<P: Deref<Target = Patches> + Sync> Corners<P> {
     /// Finds the corners that belong together; `crease_angle` is in radians.
     ///
     /// # Panics
     /// With more than 2^30 patches.
-    pub fn new(patches: &'a Patches, crease_angle: f64) -> Self {
+    pub fn new(patches: P, crease_angle: f64) -> Self {
         assert!(patches.len() <= 1 << 30, "corners are numbered by 32 bits");
-        let corners = corners_by_position(patches);
+        let corners = corners_by_position(&patches);
         let flattest = crease_angle.cos();
         let places: Vec<_> = corners.chunk_by(|a, b| a.0 == b.0).collect();
         let leaders: Vec<Vec<(u32, u32)>> =
-            places.par_iter().with_min_len(256).map(|place| leaders(patches, place, flattest)).collect();
+            places.par_iter().with_min_len(256).map(|place| leaders(&patches, place, flattest)).collect();
         let mut pairs: Vec<(u32, u32)> =
             leaders.into_iter().flatten().map(|(corner, leader)| (leader, corner)).collect();
         pairs.par_sort_unstable();
@@ -62,7 +63,7 @@ impl<'a> Corners<'a> {
             group[corner] = group[corner - 1];
         }
         let members: Vec<u32> = pairs.into_iter().map(|(_, corner)| corner).collect();
-        let angles = members.par_iter().map(|&corner| angle(patches, corner as usize)).collect();
+        let angles = members.par_iter().map(|&corner| angle(&patches, corner as usize)).collect();
         Self { patches, group, offsets, members, angles }
     }
 
@@ -129,7 +130,7 @@ impl<'a> Corners<'a> {
     /// little of its slope, and where nothing else lies in a direction there is none.
     fn slopes_of(&self, patch: usize, values: &[f64], slopes: &mut [DVec3]) {
         let columns = slopes.len();
-        let Some(shape) = Shape::of(self.patches, patch) else { return };
+        let Some(shape) = Shape::of(&self.patches, patch) else { return };
         let mut spread = Symmetric::default();
         // Patches that share an edge come twice, as they should: they tell more than those that share a corner.
         for other in self.around(patch).filter(|&other| other != patch && self.patches.area[other] > 0.0) {

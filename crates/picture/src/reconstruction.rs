@@ -7,7 +7,7 @@ use radiosity_geometry::{Corners, Patches};
 #[derive(Clone, Debug)]
 pub struct Smoother<'a> {
     patches: &'a Patches,
-    corners: Corners<'a>,
+    corners: Corners<&'a Patches>,
 }
 
 impl<'a> Smoother<'a> {

@@ -68,7 +68,7 @@ impl ExchangeFile {
     /// The patches that the form factors are between.
     #[getter]
     fn patches(&self) -> PyResult<Patches> {
-        Ok(Patches { inner: Arc::new(self.get()?.patches().clone()) })
+        Ok(self.get()?.patches().clone().into())
     }
 
     /// The text that was saved with them.

@@ -9,12 +9,20 @@ use radiosity_exchange::looks::looks;
 use radiosity_geometry::Corners;
 use radiosity_geometry::corners::CREASE_ANGLE;
 use radiosity_scene::meshing::{self, Meshing};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The surface elements of a scene.
 #[pyclass(frozen, module = "radiosity._native")]
 pub struct Patches {
     pub inner: Arc<radiosity_geometry::Patches>,
+    /// Which corners belong together, found when first asked for.
+    corners: OnceLock<Corners<Arc<radiosity_geometry::Patches>>>,
+}
+
+impl From<radiosity_geometry::Patches> for Patches {
+    fn from(patches: radiosity_geometry::Patches) -> Self {
+        Self { inner: Arc::new(patches), corners: OnceLock::new() }
+    }
 }
 
 #[pymethods]
@@ -42,7 +50,7 @@ impl Patches {
             face.as_array().to_vec(),
             two_sided.as_array().to_vec(),
         );
-        Ok(Self { inner: Arc::new(inner.with_obstructions(obstructions)) })
+        Ok(inner.with_obstructions(obstructions).into())
     }
 
     fn __len__(&self) -> usize {
@@ -99,7 +107,9 @@ pub fn corner_field<'py>(
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let columns = values.as_array().ncols();
     let values = convert::block_in(&values, patches.inner.len(), columns, "values")?;
-    let corners = py.detach(|| Corners::new(&patches.inner, CREASE_ANGLE).field(&values, columns));
+    let corners = py.detach(|| {
+        patches.corners.get_or_init(|| Corners::new(patches.inner.clone(), CREASE_ANGLE)).field(&values, columns)
+    });
     let array = Array3::from_shape_vec((patches.inner.len(), 4, columns), corners);
     Ok(array.map_err(|e| PyValueError::new_err(e.to_string()))?.into_pyarray(py))
 }
@@ -124,7 +134,7 @@ impl AdaptiveMesh {
     /// The patches, and the leaf that each is a piece of.
     fn patches<'py>(&self, py: Python<'py>) -> (Patches, Bound<'py, PyArray1<u32>>) {
         let (patches, leaf) = py.detach(|| self.inner.patches());
-        (Patches { inner: Arc::new(patches) }, convert::vector_out(py, &leaf))
+        (patches.into(), convert::vector_out(py, &leaf))
     }
 
     /// Cuts leaves as many times as they are marked with, and what must be cut along; returns how many there are then.

@@ -125,7 +125,7 @@ fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
         [lit.emission, lit.irradiance, lit.radiosity, lit.error].map(|block| convert::block_out(py, block, bands));
     let surfaces = lit.surfaces.into_iter().map(|s| (s.name, s.material, s.reflectance, s.two_sided)).collect();
     let cameras = lit.cameras.iter().map(camera_out).collect();
-    Ok(Some((Patches { inner: Arc::new(lit.patches) }, surfaces, lit.bands, blocks, cameras, lit.report_json)))
+    Ok(Some((lit.patches.into(), surfaces, lit.bands, blocks, cameras, lit.report_json)))
 }
 
 /// Renders values on patches as a camera sees them, (height, width, bands) float32.

@@ -9,7 +9,6 @@ use radiosity_scene::meshing::{self, Contacts, Meshing};
 use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Unit, builtin as builtins};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// A scene as the engine knows it.
 #[pyclass(frozen, module = "radiosity._native")]
@@ -143,13 +142,13 @@ impl Scene {
         };
         let contacts = if contacts { Contacts::Cut } else { Contacts::Ignore };
         let patches = py.detach(|| meshing::patches_with(&self.inner, &meshing, contacts)).map_err(errors::scene)?;
-        Ok(patches::Patches { inner: Arc::new(patches) })
+        Ok(patches.into())
     }
 
     /// Cuts each face into an explicit grid, one (nu, nv) per face.
     fn grid(&self, divisions: Vec<(usize, usize)>) -> PyResult<patches::Patches> {
         let patches = meshing::grid(&self.inner, &divisions).map_err(errors::scene)?;
-        Ok(patches::Patches { inner: Arc::new(patches) })
+        Ok(patches.into())
     }
 }
 

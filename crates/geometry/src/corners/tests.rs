@@ -115,7 +115,12 @@ fn slivers_do_not_throw_the_field_out_of_bounds() {
     // A square, slivers of many widths beside it with values of their own, and a square behind them.
     for width in [1e-2, 1e-4, 1e-6, 1e-9, 1e-13] {
         let column = |from: f64, to: f64, low: f64, high: f64| {
-            [DVec3::new(from, low, 0.0), DVec3::new(to, low, 0.0), DVec3::new(to, high, 0.0), DVec3::new(from, high, 0.0)]
+            [
+                DVec3::new(from, low, 0.0),
+                DVec3::new(to, low, 0.0),
+                DVec3::new(to, high, 0.0),
+                DVec3::new(from, high, 0.0),
+            ]
         };
         let (a, b) = (1.0 + width, 1.0 + 2.0 * width);
         let slanted = [DVec3::new(b, 0.0, 0.0), DVec3::new(b + width, 1.0, 0.0), DVec3::new(b, 1.0, 0.0)];
