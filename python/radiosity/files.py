@@ -38,6 +38,8 @@ class LitModel:
         bands: names of the bands.
         emission, irradiance, radiosity, error: (n, bands) W/m2.
         cameras: viewpoints.
+        lights: those without area, as the engine takes them: kind, name, position, direction, inner and outer angle,
+            strength per band; None if a file of an earlier version does not say.
         report: the report of the solve as a dictionary.
     """
 
@@ -49,6 +51,7 @@ class LitModel:
     radiosity: Floats
     error: Floats
     cameras: list[Camera]
+    lights: list[_native.LightTuple] | None
     report: dict[str, Any]
 
     @classmethod
@@ -72,14 +75,17 @@ class LitModel:
                 np.concatenate([solution.radiosity, solution.back_radiosity[back]]),
                 np.concatenate([solution.error, solution.back_error[back]]),
             )
-        return cls(
-            native, surfaces, list(scene.bands), *values, list(scene.cameras), solution.report.to_dict(timed=False)
-        )
+        lights: list[_native.LightTuple] = [
+            (*light._tuple(len(scene.bands))[:-1], strength)
+            for light, strength in zip(scene.lights, solution.lights.tolist(), strict=True)
+        ]
+        report = solution.report.to_dict(timed=False)
+        return cls(native, surfaces, list(scene.bands), *values, list(scene.cameras), lights, report)
 
     def _native_fields(self) -> tuple[Any, ...]:
         blocks = [np.ascontiguousarray(v) for v in (self.emission, self.irradiance, self.radiosity, self.error)]
         cameras = [c._tuple() for c in self.cameras]
-        return self.patches, self.surfaces, self.bands, blocks, cameras, json.dumps(self.report)
+        return self.patches, self.surfaces, self.bands, blocks, cameras, self.lights, json.dumps(self.report)
 
 
 def _surface_reflectance(solution: Solution) -> list[list[float]]:
@@ -101,7 +107,7 @@ def _with_backs(
     polygons = np.concatenate([p.polygons, reversed_polygons])
     surface = np.concatenate([p.surface, p.surface[back] + np.uint32(len(surfaces))])
     face = np.concatenate([p.face, p.face[back]])
-    native = _native.Patches(polygons, surface, face, np.zeros(len(polygons), dtype=bool))
+    native = _native.Patches(polygons, surface, face, np.zeros(len(polygons), dtype=bool), p.obstructions)
     return native, surfaces + [(f"{name} (back)", paint, rho, both) for name, paint, rho, both in surfaces]
 
 
@@ -114,11 +120,11 @@ def load_lit(path: PathLike) -> LitModel | None:
     fields = _native.read_lit(os.fspath(path))
     if fields is None:
         return None
-    patches, surfaces, bands, blocks, cameras, report = fields
+    patches, surfaces, bands, blocks, cameras, lights, report = fields
     emission, irradiance, radiosity, error = blocks
     views = [Camera._from_tuple(camera) for camera in cameras]
     told = json.loads(report) if report else {}
-    return LitModel(patches, surfaces, bands, emission, irradiance, radiosity, error, views, told)
+    return LitModel(patches, surfaces, bands, emission, irradiance, radiosity, error, views, lights, told)
 
 
 def save(solution: Solution, path: PathLike) -> None:

@@ -68,7 +68,8 @@ impl Lamps {
         let sides = enclosure.sides();
         let mean: Vec<f64> = (0..sides).map(|side| exitance.mean(side, bands)).collect();
         let power = |side: usize| enclosure.area(side) * mean[side];
-        let threshold = CONTRAST * (0..sides).map(power).sum::<f64>() / (0..sides).map(|s| enclosure.area(s)).sum::<f64>();
+        let threshold =
+            CONTRAST * (0..sides).map(power).sum::<f64>() / (0..sides).map(|s| enclosure.area(s)).sum::<f64>();
         let mut lamps: Vec<usize> = (0..sides).filter(|&s| enclosure.area(s) > 0.0 && mean[s] > threshold).collect();
         lamps.sort_by(|&a, &b| power(b).total_cmp(&power(a)).then(a.cmp(&b)));
         lamps.truncate(MOST_LAMPS);

@@ -77,7 +77,9 @@ impl Lights {
         let ray = match self.list[light].luminaire {
             Luminaire::Directional { direction } => enclosure.ray(at, -direction.as_vec3()),
             Luminaire::Point { position } | Luminaire::Spot { position, .. } => enclosure.segment(at, position),
-            Luminaire::Side(side) => enclosure.segment(at, enclosure.patches().centre[enclosure.patch_of(side as usize)]),
+            Luminaire::Side(side) => {
+                enclosure.segment(at, enclosure.patches().centre[enclosure.patch_of(side as usize)])
+            }
         };
         Seen { light, weight: weight as f32, ray }
     }

@@ -127,7 +127,9 @@ impl Buffers {
         self.walk.irradiance(tracer, &self.starts, round, &mut self.found);
         self.sums.clear();
         self.sums.resize(block.means.mean().len(), 0.0);
-        for (sums, found) in self.sums.chunks_exact_mut(bands.max(1)).zip(self.found.chunks_exact((bands * each).max(1))) {
+        for (sums, found) in
+            self.sums.chunks_exact_mut(bands.max(1)).zip(self.found.chunks_exact((bands * each).max(1)))
+        {
             for found in found.chunks_exact(bands) {
                 sums.iter_mut().zip(found).for_each(|(sum, &f)| *sum += f64::from(f) / each as f64);
             }

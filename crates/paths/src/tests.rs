@@ -96,7 +96,8 @@ fn many_lamps_are_chosen_from_as_they_matter() {
     let enclosure = enclosure(&[lamps.clone(), vec![wall]].concat(), false);
     let tracer = paths(&enclosure, emission.clone(), 0.0, vec![]);
     let point = DVec3::new(20.3, 0.4, 0.5);
-    let truth: f64 = lamps.iter().zip(&emission).map(|(l, &e)| f64::from(e) * point_to_polygon(point, DVec3::Z, l)).sum();
+    let truth: f64 =
+        lamps.iter().zip(&emission).map(|(l, &e)| f64::from(e) * point_to_polygon(point, DVec3::Z, l)).sum();
     assert_within(at(&tracer, point, DVec3::Z, 1 << 14), truth);
 }
 

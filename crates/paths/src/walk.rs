@@ -78,9 +78,11 @@ impl Walk {
         self.throughput.clear();
         self.throughput.resize(irradiance.len(), 1.0);
         self.vertices.clear();
-        self.vertices.extend(
-            starts.iter().zip(0..).map(|(start, path)| Vertex { point: start.point, normal: start.normal, path }),
-        );
+        self.vertices.extend(starts.iter().zip(0..).map(|(start, path)| Vertex {
+            point: start.point,
+            normal: start.normal,
+            path,
+        }));
         let mut step = 0;
         while !self.vertices.is_empty() {
             self.draw(tracer, starts, round, step);

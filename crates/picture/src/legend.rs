@@ -130,8 +130,11 @@ fn round_step(least: f64) -> f64 {
 
 /// A value to the digits that tell it from its neighbours, a step away.
 fn label(value: f64, step: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
     let largest = value.abs().max(step);
-    if value != 0.0 && !(1e-3..1e6).contains(&largest) {
+    if !(1e-3..1e6).contains(&largest) {
         let digits = (value.abs().log10().floor() - step.log10().floor()).clamp(0.0, 6.0) as usize;
         return format!("{value:.digits$e}");
     }
@@ -150,9 +153,9 @@ mod tests {
     #[test]
     fn marks_are_round_and_within_the_scale() {
         assert_eq!(labels(0.0, 5.3, false), ["0", "1", "2", "3", "4", "5"]);
-        assert_eq!(labels(0.0, 0.6, false), ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);
+        assert_eq!(labels(0.0, 0.6, false), ["0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);
         assert_eq!(labels(100.0, 1100.0, false), ["200", "400", "600", "800", "1000"]);
-        assert_eq!(labels(0.0, 3e-5, false), ["0.000000", "5e-6", "1.0e-5", "1.5e-5", "2.0e-5", "2.5e-5", "3.0e-5"]);
+        assert_eq!(labels(0.0, 3e-5, false), ["0", "5e-6", "1.0e-5", "1.5e-5", "2.0e-5", "2.5e-5", "3.0e-5"]);
         assert_eq!(labels(0.01, 20.0, true), ["0.01", "0.1", "1", "10"]);
         assert_eq!(labels(2.0, 2.0, false), ["2"]);
         assert_eq!(labels(f64::NAN, 2.0, false).len(), 1);

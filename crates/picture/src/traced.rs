@@ -162,7 +162,8 @@ fn error(tiles: &[Tile], bands: usize) -> f64 {
     for tile in tiles {
         let variance: Vec<f64> = tile.means.variance().collect();
         for (mean, variance) in tile.means.mean().chunks_exact(bands).zip(variance.chunks_exact(bands)) {
-            let (mean, variance) = (mean.iter().sum::<f64>() / bands as f64, variance.iter().sum::<f64>() / bands as f64);
+            let (mean, variance) =
+                (mean.iter().sum::<f64>() / bands as f64, variance.iter().sum::<f64>() / bands as f64);
             if mean > 0.0 {
                 sum += variance.sqrt() / mean;
                 count += 1.0;
@@ -297,5 +298,83 @@ impl Film<'_> {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use radiosity_exchange::Enclosure;
+    use radiosity_paths::Exitance;
+
+    use super::*;
+    use crate::test_scenes::{camera, cube};
+
+    fn settings(width: usize, height: usize, effort: Effort) -> TraceSettings {
+        TraceSettings { width, height, effort, paths_per_point: 2, culls_backs: true }
+    }
+
+    /// The inside of a unit cube where all emits 1 and reflects half, so that H = 2 and B = 2 everywhere.
+    fn furnace() -> Enclosure {
+        let mut polygons = cube(2).polygons;
+        polygons.iter_mut().for_each(|p| p.reverse());
+        let n = polygons.len();
+        Enclosure::new(Patches::new(polygons, vec![0; n], vec![0; n], vec![false; n]))
+    }
+
+    #[test]
+    fn a_furnace_is_uniform_to_the_errors_it_states() {
+        let enclosure = furnace();
+        let (ones, half) = (vec![1.0; 24], vec![0.5; 24]);
+        let tracer = Tracer::paths(&enclosure, 1, Exitance::Uniform(ones.clone()), half.clone(), vec![], 1);
+        // Beyond what the picture takes in one tile, and seen from outside, through the backs.
+        let (eye, settings) = (camera(DVec3::new(0.2, 0.3, 2.0), 0.4), settings(21, 18, Effort::of_samples(256)));
+        let surfaces = Surfaces::Radiance { emission: &ones, reflectance: &half };
+        let traced = trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
+        let truth = (2.0 * FRAC_1_PI) as f32;
+        let scores: Vec<f32> = traced
+            .image
+            .pixels
+            .iter()
+            .zip(&traced.standard_error.pixels)
+            .filter(|(value, _)| **value > 0.5)
+            .map(|(value, error)| (value - truth) / error)
+            .collect();
+        assert!(scores.len() > 200, "{}", scores.len());
+        let mean_square = scores.iter().map(|z| z * z).sum::<f32>() / scores.len() as f32;
+        // Of Student's t with seven degrees of freedom it is 7 / 5.
+        assert!((1.0..1.9).contains(&mean_square), "{mean_square}");
+        assert!(traced.rounds.error < 0.03 && traced.rounds.samples == 256 && traced.rays > 21 * 18 * 256);
+        let irradiance = trace(&tracer, Surfaces::Irradiance, &eye, &settings, &Control::default()).unwrap();
+        let lit: Vec<f32> = irradiance.image.pixels.iter().copied().filter(|h| *h > 1.5).collect();
+        assert!((lit.iter().sum::<f32>() / lit.len() as f32 - 2.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_gather_of_the_answer_is_the_answer_on_any_number_of_threads() {
+        let enclosure = furnace();
+        let tracer = Tracer::gather(&enclosure, 1, Exitance::Corners(vec![2.0; 96]), vec![], 1);
+        let (emission, reflectance) = (vec![1.0; 24], vec![0.5; 24]);
+        let surfaces = Surfaces::Radiance { emission: &emission, reflectance: &reflectance };
+        let (eye, settings) = (camera(DVec3::new(0.1, 0.1, 0.4), 1.0), settings(20, 20, Effort::at_once(8)));
+        let make = || trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
+        let traced = make();
+        let truth = (2.0 * FRAC_1_PI) as f32;
+        assert!(traced.image.pixels.iter().all(|v| (v / truth - 1.0).abs() < 1e-5), "{:?}", traced.image.pixels);
+        assert!(traced.standard_error.pixels.iter().all(|e| e.is_nan()));
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        assert_eq!(one.install(make).image, traced.image);
+    }
+
+    #[test]
+    fn cancelled_and_empty_pictures() {
+        let enclosure = furnace();
+        let tracer = Tracer::gather(&enclosure, 1, Exitance::Corners(vec![2.0; 96]), vec![], 1);
+        let (eye, control) = (camera(DVec3::Z, 1.0), Control::default());
+        let empty = trace(&tracer, Surfaces::Irradiance, &eye, &settings(0, 5, Effort::at_once(4)), &control).unwrap();
+        assert!(empty.image.pixels.is_empty() && empty.rays == 0);
+        control.cancel();
+        let cancelled = trace(&tracer, Surfaces::Irradiance, &eye, &settings(5, 5, Effort::at_once(4)), &control);
+        assert_eq!(cancelled.unwrap_err(), Cancelled);
     }
 }

@@ -190,7 +190,8 @@ fn path_irradiance<'py>(
         return Err(PyValueError::new_err("give one normal per point"));
     }
     let measured = watch::run(py, threads, progress.as_ref(), |control| {
-        let (emission, reflectance) = (of_sides(&enclosure, &emission, bands), of_sides(&enclosure, &reflectance, bands));
+        let (emission, reflectance) =
+            (of_sides(&enclosure, &emission, bands), of_sides(&enclosure, &reflectance, bands));
         let tracer = Tracer::paths(&enclosure, bands, Exitance::Uniform(emission), reflectance, lights, seed);
         match &places {
             Some((points, normals)) => radiosity_paths::at_points(&tracer, points, normals, &effort, control),

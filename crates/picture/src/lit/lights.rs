@@ -8,7 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub(super) enum FileLight {
-    Point { name: String, position: [f64; 3], intensity: Vec<f64> },
+    Point {
+        name: String,
+        position: [f64; 3],
+        intensity: Vec<f64>,
+    },
     Spot {
         name: String,
         position: [f64; 3],
@@ -17,7 +21,11 @@ pub(super) enum FileLight {
         inner_angle: f64,
         outer_angle: f64,
     },
-    Directional { name: String, direction: [f64; 3], irradiance: Vec<f64> },
+    Directional {
+        name: String,
+        direction: [f64; 3],
+        irradiance: Vec<f64>,
+    },
 }
 
 impl From<&Light> for FileLight {
@@ -72,5 +80,9 @@ pub(super) fn check(light: &Light, bands: usize) -> Result<(), String> {
     let is_sound = power.iter().all(|p| p.is_finite() && *p >= 0.0)
         && vectors.iter().all(|v| v.is_finite())
         && angles.iter().all(|a| a.is_finite());
-    if is_sound { Ok(()) } else { Err(format!("light '{name}' has a number that is not finite or a negative strength")) }
+    if is_sound {
+        Ok(())
+    } else {
+        Err(format!("light '{name}' has a number that is not finite or a negative strength"))
+    }
 }

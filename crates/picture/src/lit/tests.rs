@@ -172,7 +172,13 @@ fn models_that_do_not_fit_together_are_refused() {
         (|d| d.patches.obstructions[0][1].y = f64::NAN, "obstruction 0 has a corner"),
         (|d| d.lights = Some(lights(2)), "light 'bulb' has 2 strengths for 3 bands"),
         (
-            |d| d.lights = Some(vec![Light::Directional { name: "sun".into(), direction: DVec3::X, irradiance: vec![-1.0; 3] }]),
+            |d| {
+                d.lights = Some(vec![Light::Directional {
+                    name: "sun".into(),
+                    direction: DVec3::X,
+                    irradiance: vec![-1.0; 3],
+                }])
+            },
             "light 'sun'",
         ),
     ];

@@ -1,0 +1,157 @@
+"""Path tracing against closed forms and another program, and solutions and gathered pictures against path tracing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import rectangle
+from scipy.stats import t as student
+
+import radiosity
+from radiosity.picture import render
+
+
+def room_with_lights() -> radiosity.Scene:
+    """An open room of 2 x 2 x 2 m with a screen from both sides, a lamp, a point light, a spot and some sun."""
+    white, red = [0.7, 0.7], [0.6, 0.1]
+    surfaces = [
+        rectangle([0, 0, 0], [2, 0, 0], [0, 2, 0], white, name="floor"),
+        rectangle([0, 0, 2], [0, 2, 0], [2, 0, 0], white, name="ceiling"),
+        rectangle([0, 0, 0], [0, 2, 0], [0, 0, 2], red, name="left"),
+        rectangle([0, 2, 0], [2, 0, 0], [0, 0, 2], white, name="back"),
+        rectangle([0.8, 0.8, 1.98], [0, 0.4, 0], [0.4, 0, 0], 0.2, [9.0, 6.0], name="lamp"),
+    ]
+    screen = rectangle([1.2, 0.9, 0.0], [0.0, 0.8, 0.0], [0.1, 0.0, 0.9], [0.5, 0.8], name="screen")
+    screen.two_sided = True
+    lights = [
+        radiosity.PointLight((0.5, 1.0, 1.2), [0.4, 0.3]),
+        radiosity.SpotLight((1.5, 0.3, 1.7), (0.0, 0.3, -1.0), [1.0, 1.5], 0.2, 0.5),
+        radiosity.DirectionalLight((-0.5, 0.3, -0.8), [0.8, 0.5]),
+    ]
+    eye = radiosity.Camera.look_at((2.6, -1.5, 1.4), (0.8, 1.2, 0.8), (0, 0, 1))
+    return radiosity.Scene([*surfaces, screen], lights, [eye], "room with lights")
+
+
+@pytest.mark.parametrize("rho", [0.3, 0.9])
+def test_a_furnace_is_uniform(rho: float) -> None:
+    scene = radiosity.scenes.furnace([rho, 0.5], 1.0)
+    found = radiosity.path_irradiance(scene, samples=4096, seed=1)
+    truth = np.array([1 / (1 - rho), 2.0])
+    exposed = ~np.isclose(found.irradiance[:, 1], 0, atol=0.5)
+    # 64 rounds; the largest of some fifty scores is below 4.5 but for one time in two thousand.
+    score = (found.irradiance - truth)[exposed] / found.error[exposed]
+    assert exposed.sum() > 6
+    assert np.abs(score).max() < 4.5
+    assert found.effort.relative_error < 0.01
+
+
+def test_the_cornell_box_is_that_of_another_program(
+    cornell: dict[str, np.ndarray], cornell_patches: radiosity.Patches
+) -> None:
+    found = radiosity.path_irradiance(cornell_patches, samples=128, seed=2)
+    sigma = np.hypot(found.error, cornell["sem"])
+    lit = (cornell["emission"].sum(axis=1) == 0) & (cornell["covered"] < 0.999)
+    score = ((found.irradiance - cornell["E"]) / sigma)[lit].mean(axis=1) * np.sqrt(3)
+    # Bands of a patch share their paths, so that of three independent ones the mean would be less: look at one.
+    green = ((found.irradiance - cornell["E"]) / sigma)[lit, 1]
+    assert len(score) > 1800
+    # Eight rounds of 16: Student's t with seven degrees of freedom, whose mean square is 7 / 5.
+    assert 1.0 < np.mean(green**2) < 1.8
+    assert np.mean(np.abs(green) > student.ppf(1 - 0.005, 7)) < 0.02
+    # The whole is right to the noise of 1,920 patches.
+    weight = cornell["area"][lit][:, None]
+    ratio = (weight * found.irradiance[lit]).sum() / (weight * cornell["E"][lit]).sum()
+    assert ratio == pytest.approx(1, abs=0.003)
+
+
+def test_errors_fall_with_the_root_of_the_samples() -> None:
+    scene = radiosity.scenes.cornell_box()
+    camera = scene.cameras[0]
+    counts, errors = [64, 256, 1024], []
+    for samples in counts:
+        # Rounds of eight, sixteen and so on would gain from being even; of 64 all are.
+        traced = radiosity.path_trace(scene, camera, width=32, height=32, samples=8 * samples, seed=4)
+        errors.append(traced.effort.relative_error)
+        assert traced.effort.samples == 8 * samples
+    rate = np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert rate == pytest.approx(-0.5, abs=0.05)
+
+
+def test_an_accuracy_is_reached_and_no_more() -> None:
+    traced = radiosity.path_trace(radiosity.scenes.cornell_box(), width=40, height=40, accuracy=0.1, seed=4)
+    assert traced.effort.reached
+    assert 0.08 < traced.effort.relative_error <= 0.1
+
+
+def test_solutions_agree_with_path_tracing() -> None:
+    # Lamps, lights without area, screens with two sides: what the references have no case of.
+    patches = room_with_lights().patches(max_edge=0.25)
+    solution = radiosity.solve(patches, accuracy=0.01, seed=5)
+    found = radiosity.path_irradiance(patches, samples=1024, seed=6)
+    assert found.back_irradiance is not None
+    assert found.back_error is not None
+    mean = np.average(found.irradiance, axis=0, weights=patches.area)
+    difference = (solution.irradiance - found.irradiance) / mean
+    rms = np.sqrt(np.average(difference**2, axis=0, weights=patches.area).mean())
+    noise = np.sqrt(np.average((found.error / mean) ** 2, axis=0, weights=patches.area).mean())
+    assert noise < 0.01
+    assert np.sqrt(max(rms**2 - noise**2, 0)) < 0.012
+    backs = patches.two_sided
+    assert backs.sum() > 10
+    sigma = np.hypot(found.back_error[backs], solution.back_error[backs])
+    assert np.mean(np.abs(solution.back_irradiance[backs] - found.back_irradiance[backs]) > 3 * sigma) < 0.1
+
+
+def test_points_have_what_closed_forms_say() -> None:
+    # A lamp of 1 x 1 m, 1 m above the middle of a black floor, and a bulb beside it.
+    lamp = rectangle([-0.5, -0.5, 1], [0, 1, 0], [1, 0, 0], 0, 5.0, name="lamp")
+    floor = rectangle([-9, -9, 0], [18, 0, 0], [0, 18, 0], 0, name="floor")
+    scene = radiosity.Scene([lamp, floor], [radiosity.PointLight((3, 0, 1), 2.0)])
+    found = radiosity.path_irradiance(scene, [[0, 0, 0], [3, 0, 0]], [0, 0, 1], samples=4096)
+    # Four quarters of Hottel's parallel rectangle seen from below its corner, a = b = 0.5, c = 1.
+    k = 0.5 / np.sqrt(1.25)
+    middle = 4 * (2 * k * np.arctan(k)) / (2 * np.pi)
+    bulb = 2.0 / 10**1.5
+    assert found.irradiance[0, 0] == pytest.approx(5 * middle + bulb, abs=4 * found.error[0, 0] + 1e-6)
+    assert found.error[0, 0] < 0.003
+    assert found.irradiance[1, 0] > 2.0
+    assert found.back_irradiance is None
+
+
+@pytest.mark.parametrize("make", [radiosity.scenes.cornell_box, room_with_lights])
+def test_gathered_and_path_traced_pictures_agree(make: object) -> None:
+    scene = make()  # type: ignore[operator]
+    size = {"width": 48, "height": 48, "seed": 8}
+    solution = radiosity.solve(scene, accuracy=0.01, seed=7)
+    truth = radiosity.path_trace(scene, samples=2048, **size)
+    picture = render(solution, mode="gather", samples=256, **size)
+    mean = truth.image.mean()
+    difference, noise = picture - truth.image, truth.standard_error
+    # The picture's own noise at 256 samples and the 1 % of the solution are all that is left.
+    rms = np.sqrt(np.mean(difference**2) - np.mean(noise**2)) / mean
+    assert rms < 0.02
+    assert abs(difference.mean()) / mean < 0.005
+    # No systematic loss of what is counted once: not in the shadows, not in the light.
+    dark = truth.image.mean(axis=2) < 0.5 * mean
+    lit = truth.image.mean(axis=2) > 0
+    assert abs(difference[dark & lit].mean()) / truth.image[dark & lit].mean() < 0.015
+    # Smooth shading of the same solution is further away.
+    smooth = render(solution, mode="smooth", samples=64, width=48, height=48)
+    assert np.mean((smooth - truth.image) ** 2) > np.mean(difference**2)
+
+
+def test_a_lit_model_gathers_as_its_solution_does(tmp_path: object) -> None:
+    from radiosity.files import load_lit
+
+    scene = room_with_lights()
+    solution = radiosity.solve(scene.patches(max_edge=0.3), accuracy=0.03)
+    path = f"{tmp_path}/lit.glb"
+    solution.save(path)
+    lit = load_lit(path)
+    assert lit is not None
+    size = {"width": 40, "height": 40, "samples": 32}
+    for mode in ("gather", "path"):
+        one, two = render(solution, mode=mode, **size), render(lit, mode=mode, **size)
+        # Corners of lit models are in single precision: few paths go another way.
+        assert np.mean(np.abs(one - two) > 1e-3 * one.mean()) < 0.05
+        assert one.mean() == pytest.approx(two.mean(), rel=1e-3)
