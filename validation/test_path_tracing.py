@@ -8,6 +8,7 @@ from conftest import rectangle
 from scipy.stats import t as student
 
 import radiosity
+from radiosity.files import load_lit
 from radiosity.picture import render
 
 
@@ -141,8 +142,6 @@ def test_gathered_and_path_traced_pictures_agree(make: object) -> None:
 
 
 def test_a_lit_model_gathers_as_its_solution_does(tmp_path: object) -> None:
-    from radiosity.files import load_lit
-
     scene = room_with_lights()
     solution = radiosity.solve(scene.patches(max_edge=0.3), accuracy=0.03)
     path = f"{tmp_path}/lit.glb"
