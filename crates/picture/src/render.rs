@@ -157,7 +157,7 @@ impl View<'_> {
 ///
 /// Roberts 2018, *The unreasonable effectiveness of quasirandom sequences*: multiples of the powers of the plastic
 /// number.
-fn offsets(n: usize) -> Vec<[f64; 2]> {
+pub(crate) fn offsets(n: usize) -> Vec<[f64; 2]> {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
     (0..n.max(1)).map(|i| STEPS.map(|step| (0.5 + step * i as f64).fract())).collect()
 }

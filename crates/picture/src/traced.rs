@@ -11,6 +11,7 @@ use radiosity_scene::Camera;
 use rayon::prelude::*;
 
 use crate::Image;
+use crate::render::offsets;
 use crate::view::{Frame, Visible};
 
 /// What surfaces show of what arrives: sides x bands each.
@@ -84,6 +85,8 @@ pub fn trace(
         let count = tracer.enclosure().sides() * bands;
         assert_eq!((emission.len(), reflectance.len()), (count, count), "values fit the sides and bands");
     }
+    let paths = settings.paths_per_point.clamp(1, settings.effort.per_round);
+    let points = settings.effort.per_round.div_ceil(paths);
     let film = Film {
         tracer,
         surfaces,
@@ -92,7 +95,8 @@ pub fn trace(
         frame: Frame::new(camera, width, height),
         width,
         each: settings.effort.per_round,
-        paths: settings.paths_per_point.clamp(1, settings.effort.per_round),
+        paths,
+        offsets: if settings.effort.most == 1 { offsets(points as usize) } else { Vec::new() },
     };
     let mut tiles = if bands == 0 { Vec::new() } else { tiles(width, height, bands) };
     let rounds = radiosity_paths::rounds(&settings.effort, tiles.len() as u64, control, |round| {
@@ -185,6 +189,9 @@ struct Film<'a> {
     each: u32,
     /// Paths from each point that is seen.
     paths: u32,
+    /// Where rays pass through every pixel, in [0, 1), so that edges are clean; empty if each pixel and round has rays of
+    /// its own, so that rounds are independent.
+    offsets: Vec<[f64; 2]>,
 }
 
 /// Buffers of one thread.
@@ -238,6 +245,10 @@ impl Film<'_> {
     fn look(&self, buffers: &mut Buffers, tile: &Tile, pixels: std::ops::Range<usize>, round: u32) {
         buffers.rays.clear();
         for (x, y) in pixels.map(|pixel| self.place(tile, pixel)) {
+            if !self.offsets.is_empty() {
+                buffers.rays.extend(self.offsets.iter().map(|[u, v]| self.frame.ray(x as f64 + u, y as f64 + v)));
+                continue;
+            }
             let sequence = Sequence::new(self.tracer.seed(), self.key((x, y)), round, STREAM);
             buffers.rays.extend((0..self.points()).map(|index| {
                 let [u, v, ..] = sequence.point(index);
