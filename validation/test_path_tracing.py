@@ -52,7 +52,7 @@ def test_the_cornell_box_is_that_of_another_program(
     found = radiosity.path_irradiance(cornell_patches, samples=512, seed=2)
     lit = (cornell["emission"].sum(axis=1) == 0) & (cornell["covered"] < 0.999)
     deviation, sigma = (found.irradiance - cornell["E"])[lit], np.hypot(found.error, cornell["sem"])[lit]
-    # Bands of a patch share their paths, so one tells all. Eight rounds of 64: Student's t with seven degrees of freedom.
+    # Bands of a patch share their paths, so one tells all. Eight rounds of 64: t with seven degrees of freedom.
     # Where only few paths find light, as on patches almost under a block, eight rounds are no normal numbers: so the
     # tail is given three times its share.
     score = np.abs(deviation / sigma)[:, 1]
