@@ -148,12 +148,12 @@ def camera_of(cameras: Sequence[Camera], polygons: npt.NDArray[np.float64]) -> C
 def legend_of(show: Quantity, mode: Mode = "smooth") -> str:
     """What the legend of a picture in false colours says: the quantity and its unit, in lines."""
     if mode == "path" and show == "error":
-        return "standard\nerror of\nradiance\nW/(m² sr)"
+        return "standard\nerror of\nradiance\nW/(m2 sr)"
     return {
-        "radiosity": "radiance\nW/(m² sr)",
-        "irradiance": "irradiance\nW/m²",
-        "emission": "exitance\nW/m²",
-        "error": "error of\nirradiance\nW/m²",
+        "radiosity": "radiance\nW/(m2 sr)",
+        "irradiance": "irradiance\nW/m2",
+        "emission": "exitance\nW/m2",
+        "error": "error of\nirradiance\nW/m2",
     }[show]
 
 
