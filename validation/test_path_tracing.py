@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from conftest import rectangle
+from scipy.ndimage import maximum_filter, minimum_filter
 from scipy.stats import t as student
 
 import radiosity
@@ -120,25 +123,27 @@ def test_points_have_what_closed_forms_say() -> None:
 
 
 @pytest.mark.parametrize("make", [radiosity.scenes.cornell_box, room_with_lights])
-def test_gathered_and_path_traced_pictures_agree(make: object) -> None:
-    scene = make()  # type: ignore[operator]
+def test_gathered_and_path_traced_pictures_agree(make: Callable[[], radiosity.Scene]) -> None:
+    scene = make()
     size = {"width": 48, "height": 48, "seed": 8}
-    solution = radiosity.solve(scene, accuracy=0.01, seed=7)
-    truth = radiosity.path_trace(scene, samples=2048, **size)
+    solution = radiosity.solve(scene.patches(count=2000), accuracy=0.01, seed=7)
+    truth = radiosity.path_trace(scene, samples=1024, **size)
     picture = render(solution, mode="gather", samples=256, **size)
-    mean = truth.image.mean()
-    difference, noise = picture - truth.image, truth.standard_error
+    # Across edges sixteen points of a pixel tell its mean to some per cent of what is on either side: leave them out.
+    brightness = truth.image.mean(axis=2)
+    high, low = maximum_filter(brightness, 3), minimum_filter(brightness, 3)
+    inner = (low > 0) & (high < 1.5 * low)
+    inner[[0, -1]] = inner[:, [0, -1]] = False
+    assert inner.mean() > 0.3
+    value, difference = truth.image[inner], (picture - truth.image)[inner]
+    noise = truth.standard_error[inner]
     # The picture's own noise at 256 samples and the 1 % of the solution are all that is left.
-    rms = np.sqrt(np.mean(difference**2) - np.mean(noise**2)) / mean
-    assert rms < 0.02
-    assert abs(difference.mean()) / mean < 0.005
-    # No systematic loss of what is counted once: not in the shadows, not in the light.
-    dark = truth.image.mean(axis=2) < 0.5 * mean
-    lit = truth.image.mean(axis=2) > 0
-    assert abs(difference[dark & lit].mean()) / truth.image[dark & lit].mean() < 0.015
-    # Smooth shading of the same solution is further away.
-    smooth = render(solution, mode="smooth", samples=64, width=48, height=48)
-    assert np.mean((smooth - truth.image) ** 2) > np.mean(difference**2)
+    rms = np.sqrt(max(np.mean(difference**2) - np.mean(noise**2), 0)) / value.mean()
+    assert rms < 0.03
+    # No light is lost or counted twice, in the light or in shadows.
+    dark = value.mean(axis=1) < np.median(value.mean(axis=1))
+    for part in (dark, ~dark):
+        assert abs(difference[part].mean()) < 0.01 * value[part].mean()
 
 
 def test_a_lit_model_gathers_as_its_solution_does(tmp_path: object) -> None:
