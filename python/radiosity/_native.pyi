@@ -323,6 +323,7 @@ def write_lit(
     bands: list[str],
     blocks: list[_Floats],
     cameras: list[CameraTuple],
+    lights: list[LightTuple] | None,
     report: str,
 ) -> None: ...
 def write_vtp(
@@ -332,11 +333,15 @@ def write_vtp(
     bands: list[str],
     blocks: list[_Floats],
     cameras: list[CameraTuple],
+    lights: list[LightTuple] | None,
     report: str,
 ) -> None: ...
 def read_lit(
     path: str,
-) -> tuple[Patches, list[LitSurfaceTuple], list[str], list[_Floats], list[CameraTuple], str] | None: ...
+) -> (
+    tuple[Patches, list[LitSurfaceTuple], list[str], list[_Floats], list[CameraTuple], list[LightTuple] | None, str]
+    | None
+): ...
 def render(
     patches: Patches,
     values: _Floats,
@@ -353,6 +358,54 @@ def render(
 ) -> _Pixels: ...
 def write_png(path: str, image: _Pixels, exposure: float | None = None, curve: str = "filmic") -> None: ...
 def write_false_colours(
-    path: str, image: _Pixels, low: float | None = None, high: float | None = None
+    path: str, image: _Pixels, low: float | None = None, high: float | None = None, legend: str | None = None
 ) -> tuple[float, float]: ...
 def write_exr(path: str, image: _Pixels, bands: list[str]) -> None: ...
+
+# image and its standard error, samples, relative error, rays
+def gather(
+    patches: Patches,
+    emission: _Floats,
+    reflectance: _Floats,
+    irradiance: _Floats,
+    radiosity: _Floats,
+    lights: list[LightTuple],
+    camera: CameraTuple,
+    width: int,
+    height: int,
+    samples: int,
+    show: str,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Pixels, _Pixels, int, float, int]: ...
+def path_trace(
+    patches: Patches,
+    emission: _Floats,
+    reflectance: _Floats,
+    lights: list[LightTuple],
+    camera: CameraTuple,
+    width: int,
+    height: int,
+    samples: int,
+    accuracy: float | None,
+    show: str,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Pixels, _Pixels, int, float, int]: ...
+
+# irradiance and its standard error, samples, relative error, rays
+def path_irradiance(
+    enclosure: Enclosure,
+    emission: _Floats,
+    reflectance: _Floats,
+    lights: list[LightTuple],
+    points: _Floats | None,
+    normals: _Floats | None,
+    samples: int,
+    accuracy: float | None,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Floats, _Floats, int, float, int]: ...

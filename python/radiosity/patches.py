@@ -28,7 +28,8 @@ class Patches:
         obstructions: (k, 4, 3) corners of polygons that only block: opaque, black and without ids.
         cut: the arguments of :meth:`radiosity.Scene.patches`, to make the same patches again; None if unknown.
 
-    Obstructions take part in exchange. Pictures and saved solutions leave them out.
+    Obstructions take part in exchange and cast shadows. Pictures do not show them; of saved solutions lit models keep
+    them.
     """
 
     def __init__(self, scene: Scene, native: _native.Patches, cut: dict[str, Any] | None = None) -> None:

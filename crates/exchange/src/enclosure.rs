@@ -164,6 +164,18 @@ impl Enclosure {
         on + self.inset[patch] * (self.patches.centre[patch] - on) + self.margin * self.normal(side)
     }
 
+    /// A point just before one of a surface that looks along the unit `normal` there, which need not be a patch's.
+    #[inline]
+    pub fn before(&self, on: DVec3, normal: DVec3) -> DVec3 {
+        on + self.margin * normal
+    }
+
+    /// What each corner of a side's patch counts at chart coordinates in its interpolation.
+    #[inline]
+    pub fn corner_weights(&self, side: usize, s: f64, t: f64) -> [f64; 4] {
+        corner_weights(&self.charts[self.patch_of(side)], s, t)
+    }
+
     /// The ray from a point along a direction, without end.
     #[inline]
     pub fn ray(&self, from: DVec3, direction: Vec3) -> Ray {

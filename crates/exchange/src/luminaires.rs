@@ -174,8 +174,8 @@ fn radius(corners: &[DVec3], centre: DVec3) -> f64 {
     corners.iter().map(|c| c.distance(centre)).fold(0.0, f64::max)
 }
 
-/// The transfer from a light without area to a differential area at `x`, unoccluded.
-fn pointlike(luminaire: &Luminaire, x: DVec3, normal: DVec3) -> f64 {
+/// The transfer from a light without area to a differential area at `x`, unoccluded; zero from sides.
+pub fn pointlike(luminaire: &Luminaire, x: DVec3, normal: DVec3) -> f64 {
     match *luminaire {
         Luminaire::Side(_) => 0.0,
         Luminaire::Directional { direction } => (-direction.dot(normal)).max(0.0),

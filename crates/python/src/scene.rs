@@ -220,7 +220,7 @@ fn surface_in((name, vertices, faces, material, reflectance, emission, two_sided
     Ok(Surface { vertices, faces, material: Material { name: material, reflectance, emission, two_sided }, name })
 }
 
-fn light_out(light: &Light) -> LightTuple {
+pub fn light_out(light: &Light) -> LightTuple {
     let none = [0.0; 3];
     match light.clone() {
         Light::Point { name, position, intensity } => {
@@ -235,7 +235,7 @@ fn light_out(light: &Light) -> LightTuple {
     }
 }
 
-fn light_in((kind, name, position, direction, inner_angle, outer_angle, power): LightTuple) -> PyResult<Light> {
+pub fn light_in((kind, name, position, direction, inner_angle, outer_angle, power): LightTuple) -> PyResult<Light> {
     let (position, direction) = (convert::vec3(position), convert::vec3(direction));
     Ok(match kind.as_str() {
         "point" => Light::Point { name, position, intensity: power },

@@ -307,7 +307,7 @@ pub fn lighting_in(
     Ok(Lighting { bands, reflectance, emission, lamps })
 }
 
-fn lamp_in((kind, name, position, direction, inner, outer, strength): LightTuple, bands: usize) -> PyResult<Lamp> {
+pub fn lamp_in((kind, name, position, direction, inner, outer, strength): LightTuple, bands: usize) -> PyResult<Lamp> {
     if strength.len() != bands || strength.iter().any(|s| !s.is_finite() || *s < 0.0) {
         return Err(PyValueError::new_err(format!("light '{name}' must have {bands} nonnegative strengths")));
     }
