@@ -378,7 +378,7 @@ def form_factors(
     samples, wanted = _samples(method, tolerance, rays, hemicubes, points)
     with _explained(checkpoint):
         native = _native.form_factors(
-            patches._enclosure,
+            patches._diffuse_enclosure("form factors"),
             method,
             DEFAULT_TOLERANCE if wanted is None else wanted,
             samples,

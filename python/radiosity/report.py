@@ -39,6 +39,8 @@ class Report:
     linear over patches, as it is on a mesh of the engine's own, the last of ``meshes``; then ``mesh_error``, what that
     field leaves of the light, is part of it. Otherwise it is the error of the means of patches. ``limited_by`` is
     ``"accuracy"`` when the request was met.
+    ``absorbed_by_mirrors`` is the part of ``absorbed`` that surfaces with a mirror reflectance or transmittance take.
+    ``unfollowed`` is what goes on between mirrors beyond what is followed; it counts as an error.
     ``closure_*`` are raw row sums of the form factors before ``closure_residual`` remained after balancing.
 
     ``transport`` says what the equations were solved on ("sampled", "hierarchical", "given", "on_demand" for rows drawn
@@ -80,6 +82,8 @@ class Report:
     emitted: list[float]
     from_lights: list[float]
     absorbed: list[float]
+    absorbed_by_mirrors: list[float]
+    unfollowed: list[float]
     escaped: list[float]
     lost_on_backs: list[float]
     imbalance: float
@@ -123,8 +127,10 @@ class Report:
             ("emitted", powers(self.emitted)),
             ("arrived from lights", powers(self.from_lights)),
             ("absorbed", powers(self.absorbed)),
+            ("  by mirrors", powers(self.absorbed_by_mirrors) + " by what mirrors or lets light through"),
             ("escaped", powers(self.escaped)),
             ("lost on backs", powers(self.lost_on_backs)),
+            ("not followed", powers(self.unfollowed) + " between mirrors"),
             ("energy imbalance", f"{self.imbalance:+.3%}"),
             ("closure", f"raw row sums {self.closure_min:.4f} to {self.closure_max:.4f}, mean {self.closure_mean:.4f};"
                         f" {self.escape_share:.2%} of rays escape"),
@@ -142,6 +148,8 @@ class Report:
         present = {
             "arrived from lights": any(self.from_lights),
             "lost on backs": any(self.lost_on_backs),
+            "  by mirrors": any(self.absorbed_by_mirrors),
+            "not followed": any(self.unfollowed),
             "rows on demand": self.rows_on_demand > 0,
             "  by the mesh": self.mesh_error > 0,
         }

@@ -441,11 +441,11 @@ def _way(
     if transport not in (None, "sampled", "hierarchical"):
         raise ValueError(f"there is no transport '{transport}'; choose sampled or hierarchical, or pass form factors")
     if transport == "hierarchical":
-        return "hierarchical", partial(_native.solve_linked, patches._enclosure)
+        return "hierarchical", partial(_native.solve_linked, patches._diffuse_enclosure("a hierarchical exchange"))
     if solver in PROGRESSIVE:
         if transport == "sampled":
             raise ValueError(f"{solver} shoots from rows, not samples: leave out transport, or pass form factors")
-        return "on_demand", partial(_native.solve_on_demand, patches._enclosure)
+        return "on_demand", partial(_native.solve_on_demand, patches._diffuse_enclosure(f"{solver}, which draws hemicubes,"))
     return "sampled", None
 
 

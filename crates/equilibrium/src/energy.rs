@@ -13,10 +13,14 @@ pub struct Energy {
     pub from_lights: Vec<f64>,
     /// Absorbed by the sides.
     pub absorbed: Vec<f64>,
+    /// Of that, by mirrors and clear glass.
+    pub absorbed_by_mirrors: Vec<f64>,
     /// Left the scene.
     pub escaped: Vec<f64>,
     /// Absorbed by black backs of one-sided patches, and emitted where a solid stands on a patch.
     pub lost_on_backs: Vec<f64>,
+    /// Not followed to its end between mirrors.
+    pub unfollowed: Vec<f64>,
     /// Power in less power out, relative to power in: the worst band.
     pub imbalance: f64,
     /// The share of rays that left the scene.
@@ -34,17 +38,25 @@ impl Energy {
             absorbed: none(),
             escaped: none(),
             lost_on_backs: none(),
+            absorbed_by_mirrors: none(),
+            unfollowed: task.unfollowed_of_lights(),
             imbalance: 0.0,
             escape_share: escape_share(transport),
         };
+        // What images of lights leave out arrives too, but is not followed.
+        energy.from_lights.iter_mut().zip(&energy.unfollowed).for_each(|(arrived, left_out)| *arrived += left_out);
         for side in 0..enclosure.sides() {
-            let (patch, area) = (enclosure.patch_of(side), enclosure.area(side));
+            let (patch, area) = (enclosure.patch_of(side), enclosure.diffuse_area(side));
+            let by_mirrors = if enclosure.diffuse_share(side) < 1.0 { 1.0 } else { 0.0 };
             for b in 0..bands {
                 let k = side * bands + b;
+                let absorbed = area * (1.0 - task.lighting.reflectance_of(patch)[b]) * answer.irradiance[k];
                 energy.emitted[b] += area * task.lighting.emission_of(patch)[b];
-                energy.absorbed[b] += area * (1.0 - task.lighting.reflectance_of(patch)[b]) * answer.irradiance[k];
+                energy.absorbed[b] += absorbed;
+                energy.absorbed_by_mirrors[b] += by_mirrors * absorbed;
                 energy.escaped[b] += area * answer.escaped[k];
                 energy.lost_on_backs[b] += area * answer.lost[k];
+                energy.unfollowed[b] += area * answer.unfollowed[k];
             }
         }
         energy.balance();
@@ -59,7 +71,13 @@ impl Energy {
 
     fn unexplained(&self, band: usize) -> f64 {
         let input = self.emitted[band] + self.from_lights[band];
-        ratio(input - self.absorbed[band] - self.escaped[band] - self.lost_on_backs[band], input)
+        let output = [&self.absorbed, &self.escaped, &self.lost_on_backs, &self.unfollowed];
+        ratio(output.into_iter().fold(input, |left, part| left - part.get(band).unwrap_or(&0.0)), input)
+    }
+
+    /// What is not followed to its end relative to what is absorbed: the worst band.
+    pub(crate) fn unfollowed_share(&self) -> f64 {
+        self.unfollowed.iter().zip(&self.absorbed).map(|(lost, absorbed)| ratio(*lost, *absorbed)).fold(0.0, f64::max)
     }
 }
 
@@ -68,7 +86,7 @@ fn escape_share(transport: &Transport) -> f64 {
     for side in 0..transport.enclosure().sides() {
         for shots in transport.shots().of(side) {
             total += shots.len() as u64;
-            escaped += shots.iter().filter(|s| s.target == Shot::ESCAPED).count() as u64;
+            escaped += shots.iter().filter(|s| s.target() == Shot::ESCAPED).count() as u64;
         }
     }
     ratio(escaped as f64, total as f64)
