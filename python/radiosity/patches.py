@@ -134,7 +134,7 @@ class Patches:
             surface = self.scene.surfaces[int(self.surface[np.flatnonzero(self._going_on.any(axis=1))[0]])]
             what = "is a mirror" if np.any(surface.specular) else "lets light through"
             raise ValueError(
-                f"surface '{surface.name}' {what}, which {way} cannot follow: solve with transport='sampled', or set its "
-                "specular and transmittance to 0"
+                f"surface '{surface.name}' {what}, which {way} cannot follow: solve with transport='sampled', or "
+                "set its specular and transmittance to 0"
             )
         return self._enclosure

@@ -445,7 +445,9 @@ def _way(
     if solver in PROGRESSIVE:
         if transport == "sampled":
             raise ValueError(f"{solver} shoots from rows, not samples: leave out transport, or pass form factors")
-        return "on_demand", partial(_native.solve_on_demand, patches._diffuse_enclosure(f"{solver}, which draws hemicubes,"))
+        return "on_demand", partial(
+            _native.solve_on_demand, patches._diffuse_enclosure(f"{solver}, which draws hemicubes,")
+        )
     return "sampled", None
 
 

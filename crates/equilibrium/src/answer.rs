@@ -345,7 +345,8 @@ impl Task<'_> {
     #[inline]
     fn seen_by_ray(&self, elements: &Elements, shot: &Shot) -> Option<usize> {
         let target = shot.target() as usize;
-        (shot.landed() && (!self.transport().is_lamp(target) || shot.is_beyond_images())).then(|| elements.at(target, shot.target_cell))
+        (shot.landed() && (!self.transport().is_lamp(target) || shot.is_beyond_images()))
+            .then(|| elements.at(target, shot.target_cell))
     }
 
     /// What a luminaire sends per unit of its samples' weight.

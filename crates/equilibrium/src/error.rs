@@ -123,9 +123,9 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
             let k = side * bands + b;
             let by_samples = if task.as_field { mesh.variance[k] } else { own[k] };
             let by_elements = answer.by_elements[k].powi(2);
-            let unexplained =
-                (energy.imbalance * answer.irradiance[k]).powi(2) + (solver * answer.irradiance[k]).powi(2)
-                    + (unfollowed * answer.irradiance[k]).powi(2);
+            let unexplained = (energy.imbalance * answer.irradiance[k]).powi(2)
+                + (solver * answer.irradiance[k]).powi(2)
+                + (unfollowed * answer.irradiance[k]).powi(2);
             let by_cause = [by_samples, carried, by_elements, unexplained, mesh.smooth_square[k].max(0.0)];
             (0..5).for_each(|cause| squares[cause][k] = by_cause[cause].sqrt());
             // Of the mean over the patch, or of the field on it.

@@ -86,8 +86,7 @@ fn grow(
         for image in &last {
             let is_parallel = matches!(luminaires.list[image.luminaire as usize], Luminaire::Directional { .. });
             for (index, mirror) in specular.mirrors().iter().enumerate() {
-                let is_back =
-                    |&last: &u32| mirror.is_back_of(&specular.mirrors()[last as usize], 4.0 * margin);
+                let is_back = |&last: &u32| mirror.is_back_of(&specular.mirrors()[last as usize], 4.0 * margin);
                 if image.is_before(mirror, is_parallel, margin) && !image.mirrors.last().is_some_and(is_back) {
                     next.push(image.mirrored(index as u32, mirror, is_parallel));
                 }
@@ -149,12 +148,9 @@ impl Image {
         match *luminaire {
             Luminaire::Side(side) => Luminaire::Side(side),
             Luminaire::Point { position } => Luminaire::Point { position: image(position) },
-            Luminaire::Spot { position, direction, cos_inner, cos_outer } => Luminaire::Spot {
-                position: image(position),
-                direction: turned(direction),
-                cos_inner,
-                cos_outer,
-            },
+            Luminaire::Spot { position, direction, cos_inner, cos_outer } => {
+                Luminaire::Spot { position: image(position), direction: turned(direction), cos_inner, cos_outer }
+            }
             Luminaire::Directional { direction } => Luminaire::Directional { direction: turned(direction) },
         }
     }

@@ -198,8 +198,7 @@ impl Row {
             if met == MOST_MEETINGS {
                 for chain in self.chains.drain(..) {
                     let origin_cell = self.cells[chain.slot as usize];
-                    out[chain.slot as usize] =
-                        Shot { bits: Shot::LOST, target_cell: Cell::default(), origin_cell };
+                    out[chain.slot as usize] = Shot { bits: Shot::LOST, target_cell: Cell::default(), origin_cell };
                 }
             }
             self.hits.resize(kept, Hit::MISS);

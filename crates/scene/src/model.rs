@@ -262,12 +262,7 @@ pub fn band_names(n: usize) -> Vec<String> {
 impl Material {
     /// A one-sided material.
     pub fn new(name: impl Into<String>, reflectance: &[f64], emission: &[f64]) -> Self {
-        Self {
-            name: name.into(),
-            reflectance: reflectance.to_vec(),
-            emission: emission.to_vec(),
-            ..Self::default()
-        }
+        Self { name: name.into(), reflectance: reflectance.to_vec(), emission: emission.to_vec(), ..Self::default() }
     }
 
     /// The same, of which parts are a mirror and clear.
