@@ -49,7 +49,7 @@ def mean(solution: radiosity.Solution, name: str) -> float:
 
 def assert_balanced(solution: radiosity.Solution, within: float) -> None:
     r = solution.report
-    out = np.sum([r.absorbed, r.escaped, r.lost_on_backs, r.unfollowed], axis=0)
+    out = np.sum([r.absorbed, r.escaped, r.lost_on_backs, r.unfollowed or np.zeros(len(r.bands))], axis=0)
     into = np.add(r.emitted, r.from_lights)
     assert np.abs(out / into - 1).max() < within
     assert abs(r.imbalance) < within

@@ -40,7 +40,8 @@ class Report:
     field leaves of the light, is part of it. Otherwise it is the error of the means of patches. ``limited_by`` is
     ``"accuracy"`` when the request was met.
     ``absorbed_by_mirrors`` is the part of ``absorbed`` that surfaces with a mirror reflectance or transmittance take.
-    ``unfollowed`` is what goes on between mirrors beyond what is followed; it counts as an error.
+    ``unfollowed`` is what goes on between mirrors beyond what is followed; it counts as an error. Both are empty where
+    there are no mirrors and no glass.
     ``closure_*`` are raw row sums of the form factors before ``closure_residual`` remained after balancing.
 
     ``transport`` says what the equations were solved on ("sampled", "hierarchical", "given", "on_demand" for rows drawn
@@ -82,8 +83,6 @@ class Report:
     emitted: list[float]
     from_lights: list[float]
     absorbed: list[float]
-    absorbed_by_mirrors: list[float]
-    unfollowed: list[float]
     escaped: list[float]
     lost_on_backs: list[float]
     imbalance: float
@@ -101,6 +100,8 @@ class Report:
     transport: str = "sampled"
     why: str = ""
     meshes: int = 0
+    absorbed_by_mirrors: list[float] = field(default_factory=list)
+    unfollowed: list[float] = field(default_factory=list)
 
     @property
     def reached(self) -> bool:
@@ -110,13 +111,15 @@ class Report:
     def to_dict(self, *, timed: bool = True) -> dict[str, Any]:
         """Plain numbers, strings and lists, ready for JSON; not ``timed``, the same for the same seed."""
         items = asdict(self) | {"reached": self.reached}
+        if not self.absorbed_by_mirrors:
+            del items["absorbed_by_mirrors"], items["unfollowed"]
         return {name: value for name, value in items.items() if timed or not name.endswith("seconds")}
 
     def rows(self) -> list[tuple[str, str]]:
         """Label and text of each line of the table."""
 
         def powers(values: list[float]) -> str:
-            return "  ".join(f"{name} {v:.4g}" for name, v in zip(self.bands, values, strict=True)) + " W"
+            return "  ".join(f"{name} {v:.4g}" for name, v in zip(self.bands, values, strict=bool(values))) + " W"
 
         rows = [
             ("estimated error", f"{self.estimated_error:.3%} of the mean irradiance (asked for {self.accuracy:.3%})"),

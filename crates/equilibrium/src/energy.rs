@@ -13,13 +13,13 @@ pub struct Energy {
     pub from_lights: Vec<f64>,
     /// Absorbed by the sides.
     pub absorbed: Vec<f64>,
-    /// Of that, by mirrors and clear glass.
+    /// Of that, by mirrors and clear glass; empty where there are none.
     pub absorbed_by_mirrors: Vec<f64>,
     /// Left the scene.
     pub escaped: Vec<f64>,
     /// Absorbed by black backs of one-sided patches, and emitted where a solid stands on a patch.
     pub lost_on_backs: Vec<f64>,
-    /// Not followed to its end between mirrors.
+    /// Not followed to its end between mirrors; empty where there are none.
     pub unfollowed: Vec<f64>,
     /// Power in less power out, relative to power in: the worst band.
     pub imbalance: f64,
@@ -32,14 +32,15 @@ impl Energy {
         let (bands, transport) = (task.lighting.bands, &task.measurement.transport);
         let enclosure = transport.enclosure();
         let none = || vec![0.0; bands];
+        let of_mirrors = |value: &dyn Fn() -> Vec<f64>| enclosure.specular().map_or(Vec::new(), |_| value());
         let mut energy = Self {
             emitted: none(),
             from_lights: task.incident_power(),
             absorbed: none(),
             escaped: none(),
             lost_on_backs: none(),
-            absorbed_by_mirrors: none(),
-            unfollowed: task.unfollowed_of_lights(),
+            absorbed_by_mirrors: of_mirrors(&none),
+            unfollowed: of_mirrors(&|| task.unfollowed_of_lights()),
             imbalance: 0.0,
             escape_share: escape_share(transport),
         };
@@ -47,16 +48,20 @@ impl Energy {
         energy.from_lights.iter_mut().zip(&energy.unfollowed).for_each(|(arrived, left_out)| *arrived += left_out);
         for side in 0..enclosure.sides() {
             let (patch, area) = (enclosure.patch_of(side), enclosure.diffuse_area(side));
-            let by_mirrors = if enclosure.diffuse_share(side) < 1.0 { 1.0 } else { 0.0 };
+            let is_mirror = enclosure.diffuse_share(side) < 1.0;
             for b in 0..bands {
                 let k = side * bands + b;
                 let absorbed = area * (1.0 - task.lighting.reflectance_of(patch)[b]) * answer.irradiance[k];
                 energy.emitted[b] += area * task.lighting.emission_of(patch)[b];
                 energy.absorbed[b] += absorbed;
-                energy.absorbed_by_mirrors[b] += by_mirrors * absorbed;
+                if is_mirror {
+                    energy.absorbed_by_mirrors[b] += absorbed;
+                }
                 energy.escaped[b] += area * answer.escaped[k];
                 energy.lost_on_backs[b] += area * answer.lost[k];
-                energy.unfollowed[b] += area * answer.unfollowed[k];
+                if let Some(unfollowed) = energy.unfollowed.get_mut(b) {
+                    *unfollowed += area * answer.unfollowed[k];
+                }
             }
         }
         energy.balance();

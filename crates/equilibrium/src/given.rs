@@ -287,8 +287,8 @@ impl<'a> Task<'a> {
             absorbed: none(),
             escaped: none(),
             lost_on_backs: none(),
-            absorbed_by_mirrors: vec![0.0; bands],
-            unfollowed: vec![0.0; bands],
+            absorbed_by_mirrors: Vec::new(),
+            unfollowed: Vec::new(),
             imbalance: 0.0,
             escape_share: 0.0,
         };

@@ -228,8 +228,8 @@ impl<'a> Task<'a> {
             absorbed: none(),
             escaped: ledger.escaped.clone(),
             lost_on_backs: none(),
-            absorbed_by_mirrors: vec![0.0; self.bands],
-            unfollowed: vec![0.0; self.bands],
+            absorbed_by_mirrors: Vec::new(),
+            unfollowed: Vec::new(),
             imbalance: 0.0,
             escape_share: 0.0,
         };

@@ -13,9 +13,11 @@ use glam::DVec3;
 use radiosity_geometry::sampling::{Frame, Sequence, mix};
 use std::f64::consts::PI;
 
-/// Images that are sampled, of all emitting sides, and of all lights without area.
+/// Images that are sampled, of all emitting sides, and of all lights without area. Of the first reflection there may be
+/// several times as many: it matters most.
 const MOST_OF_SIDES: usize = 1024;
 const MOST_OF_LIGHTS: usize = 4096;
+const MORE_AT_FIRST: usize = 4;
 
 /// Reflections that they are followed through: between two facing mirrors there is no end of them.
 const MOST_OF_SIDES_TURNS: u32 = 4;
@@ -82,6 +84,7 @@ fn grow(
     let margin = enclosure.margin();
     let (mut all, mut last) = (Vec::new(), themselves);
     for turns in 0..most_turns {
+        let most = if turns == 0 { MORE_AT_FIRST * most } else { most };
         let mut next = Vec::new();
         for image in &last {
             let is_parallel = matches!(luminaires.list[image.luminaire as usize], Luminaire::Directional { .. });
