@@ -77,8 +77,9 @@ fn under_a_mirror() -> (Vec<[DVec3; 4]>, f64) {
 fn a_form_factor_by_a_mirror_is_that_of_the_image() {
     let (polygons, exact) = under_a_mirror();
     let room = enclosure(polygons, &[0.0, 0.0, 0.8], &[0.0; 3]);
-    let by_rays = entry(&measured(&room, &Luminaires::default(), 1 << 14, None));
-    assert!((by_rays / (0.8 * exact) - 1.0).abs() < 0.02, "{by_rays} {exact}");
+    let by_rays = entry(&measured(&room, &Luminaires::default(), 1 << 16, None));
+    // Of half a million rays from both ends, 1,700 arrive.
+    assert!((by_rays / (0.8 * exact) - 1.0).abs() < 0.06, "{by_rays} {exact}");
     let by_area = entry(&measured(&room, &lamp(1), 1 << 10, None));
     assert!((by_area / (0.8 * exact) - 1.0).abs() < 2e-3, "{by_area} {exact}");
 }
@@ -88,8 +89,8 @@ fn a_pane_on_the_way_takes_its_share_by_rays_and_by_area() {
     let (mut polygons, exact) = under_a_mirror();
     polygons.push(quad([-2., -2., 0.5], [5., 0., 0.], [0., 5., 0.]));
     let room = enclosure(polygons, &[0.0, 0.0, 1.0, 0.0], &[0.0, 0.0, 0.0, 0.5]);
-    let by_rays = entry(&measured(&room, &Luminaires::default(), 1 << 14, None));
-    assert!((by_rays / (0.5 * exact) - 1.0).abs() < 0.03, "{by_rays} {exact}");
+    let by_rays = entry(&measured(&room, &Luminaires::default(), 1 << 16, None));
+    assert!((by_rays / (0.5 * exact) - 1.0).abs() < 0.08, "{by_rays} {exact}");
     let by_area = entry(&measured(&room, &lamp(1), 1 << 10, None));
     assert!((by_area / (0.5 * exact) - 1.0).abs() < 2e-3, "{by_area} {exact}");
 }
@@ -127,7 +128,10 @@ fn images_end_where_mirrors_see_none() {
 fn what_images_leave_out_of_a_light_is_told() {
     // Of light between floor and ceiling of reflectance s, s^n comes by more than n of them, if walls are as far away.
     let facing = enclosure(
-        vec![quad([-9., -9., 0.], [18., 0., 0.], [0., 18., 0.]), quad([-9., -9., 1.], [0., 18., 0.], [18., 0., 0.])],
+        vec![
+            quad([-900., -900., 0.], [1800., 0., 0.], [0., 1800., 0.]),
+            quad([-900., -900., 1.], [0., 1800., 0.], [1800., 0., 0.]),
+        ],
         &[0.5; 2],
         &[0.0; 2],
     );
