@@ -27,8 +27,9 @@ LitSurfaceTuple = tuple[str, str, list[float], bool]
 # severity, code, element, message; surface, (k,) faces of it, (k, 2, 3) edges, (k, 3) points
 _FindingTuple = tuple[Any, str, str, str, int | None, _Indices, _Floats, _Floats]
 # name, vertices, faces, material, reflectance, emission, two-sided
-_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool]
-_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool]
+# name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance
+_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float]
+_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float]
 
 class SceneError(ValueError):
     """A scene that cannot be read, meshed or lit."""
@@ -102,7 +103,13 @@ class Patches:
 
 @final
 class Enclosure:
-    def __new__(cls, patches: Patches, threads: int | None = None) -> Enclosure: ...
+    def __new__(
+        cls,
+        patches: Patches,
+        threads: int | None = None,
+        specular: _Floats | None = None,
+        transmittance: _Floats | None = None,
+    ) -> Enclosure: ...
     def locate(self, points: _Floats, normals: _Floats, reach: float) -> tuple[npt.NDArray[np.int64], _Floats]: ...
     def validate(self) -> None: ...
     # polygon or -1, distance, whether it is the front

@@ -178,6 +178,8 @@ def _save_arrays(solution: Solution, path: Path) -> None:
         "surface_names": np.array([s.name for s in p.scene.surfaces]),
         "report": np.array(json.dumps(solution.report.to_dict(timed=False))),
     }
+    if p.is_specular:
+        arrays |= {"specular": p.specular, "transmittance": p.transmittance}
     write_whole(path, lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
 
 
