@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import radiosity
-from radiosity.picture import render, save_image
+from radiosity.picture import legend_of, render, save_image
 
 OUT = Path(sys.argv[1] if len(sys.argv) > 1 else "out")
 OUT.mkdir(parents=True, exist_ok=True)
@@ -38,6 +38,6 @@ assert beyond < 1.5 * 0.0577
 for name in ("irradiance", "error"):
     low_high = save_image(
         OUT / f"cornell_{name}.png", render(solution, width=500, height=500, show=name, mode="patches"),
-        false_colours=True,
+        false_colours=True, legend=legend_of(name),
     )  # fmt: skip
     print(f"{name}: colours from {low_high[0]:.3g} to {low_high[1]:.3g} W/m2")

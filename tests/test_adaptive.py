@@ -169,3 +169,33 @@ def test_files_keep_the_certificate(solution: Solution, tmp_path: Path) -> None:
         report = json.loads(str(arrays["report"]))
     assert report["causes"]["mesh"] == solution.report.causes["mesh"]
     assert report["interval"][1] == report["estimated_error"]
+
+
+def test_each_mesh_is_handed_over(scene: Scene) -> None:
+    seen: list[Solution] = []
+    last = radiosity.solve(scene, accuracy=0.1, on_refine=seen.append)
+    assert [len(s.patches) for s in seen] == [step.patches for step in last.refinement]
+    assert seen[-1] is last
+    assert last.report.reached
+
+
+def test_who_has_seen_enough_ends_the_refinement(scene: Scene) -> None:
+    solution = radiosity.solve(scene, accuracy=0.02, on_refine=lambda s: len(s.patches) < 500)
+    assert (solution.report.limited_by, solution.report.reached) == ("observer", False)
+    assert "it was told to stop" in str(solution.report)
+    assert solution.report.meshes == len(solution.refinement)
+    assert solution.refinement[-2].patches < 500 <= solution.refinement[-1].patches == len(solution.patches)
+
+
+def test_what_on_refine_raises_ends_the_solve(scene: Scene) -> None:
+    def fail(_: Solution) -> None:
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        radiosity.solve(scene, accuracy=0.1, on_refine=fail)
+
+
+def test_no_mesh_is_handed_over_where_it_is_given(scene: Scene) -> None:
+    seen: list[Solution] = []
+    radiosity.solve(scene.patches(count=50), accuracy=0.2, on_refine=seen.append)
+    assert seen == []

@@ -54,6 +54,17 @@ def test_backs_become_patches_of_their_own() -> None:
     assert solution.irradiance[back].mean() > solution.back_irradiance[back].mean()
 
 
+def test_a_lit_model_takes_other_light_of_the_same_patches(cornell: Solution) -> None:
+    model, other = LitModel.of(cornell), cornell.relight(emission=2 * cornell.emission, reflectance=0.1)
+    relit = model.relit(other)
+    assert relit.patches is model.patches
+    np.testing.assert_allclose([rho for _, _, rho, _ in relit.surfaces], 0.1, rtol=1e-12)
+    for name in ("emission", "irradiance", "radiosity", "error"):
+        assert np.array_equal(getattr(relit, name), getattr(LitModel.of(other), name))
+    with pytest.raises(ValueError, match="on other patches than the model"):
+        model.relit(solve(cube(), accuracy=0.5, transport="hierarchical"))
+
+
 def test_what_cannot_be_written_is_refused(cornell: Solution, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"cannot write '\.pdf' files; use one of \.glb, \.npz, \.vtp"):
         cornell.save(tmp_path / "lit.pdf")

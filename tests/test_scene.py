@@ -200,3 +200,37 @@ def test_a_missing_file_and_an_unknown_unit_say_what_to_do(tmp_path: Path) -> No
         load(tmp_path / "none.glb")
     with pytest.raises(ValueError, match="'furlong' is no unit of length"):
         load(write_obj(tmp_path), unit="furlong")
+
+
+def mirror(**optics: object) -> Scene:
+    """A lamp above a square of such optics."""
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    floor = Surface(square, [[0, 1, 2, 3]], name="floor", **optics)  # type: ignore[arg-type]
+    lamp = Surface(square[::-1] + np.array([0.0, 0, 1]), [[0, 1, 2, 3]], 0.5, [1.0, 2.0, 3.0], "lamp")
+    return Scene([floor, lamp])
+
+
+def test_mirrors_and_glass_cross_the_border_and_back() -> None:
+    scene = Scene._from_native(mirror(reflectance=0.2, specular=[0.3, 0.3, 0.3], transmittance=0.25)._native())
+    assert (scene.surfaces[0].specular, scene.surfaces[0].transmittance) == (0.3, 0.25)
+    patches = scene.patches(max_edge=0.5)
+    np.testing.assert_array_equal(patches.specular, np.where(patches.surface == 0, 0.3, 0.0))
+    np.testing.assert_array_equal(patches.transmittance, np.where(patches.surface == 0, 0.25, 0.0))
+    assert patches.is_specular
+    assert not mirror().patches(as_is=True).is_specular
+
+
+@pytest.mark.parametrize(
+    ("optics", "message"),
+    [
+        ({"specular": 0.5}, r"'floor': its reflectance 0\.5, specular 0\.5 .* must stay below 1"),
+        ({"reflectance": 0.0, "specular": 0.8, "transmittance": 0.3}, "must stay below 1"),
+        ({"reflectance": 0.0, "specular": 1.5}, r"its specular is 1\.5; it must be at least 0 and at most 1"),
+        ({"reflectance": 0.0, "emission": 1.0, "specular": 1.0}, "nothing of it is left to emit"),
+        ({"specular": [0.1, 0.2, 0.3]}, "specular of surface 'floor' differs between bands"),
+        ({"transmittance": [0.1, 0.2]}, r"transmittance of surface 'floor' has shape \(2,\)"),
+    ],
+)
+def test_impossible_mirrors_are_refused(optics: dict[str, object], message: str) -> None:
+    with pytest.raises(SceneError, match=message):
+        mirror(**optics).validate()

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from radiosity.factors import FormFactors, form_factors
     from radiosity.inverse import Design, Emission, Reflectance, Strength, Target, design
     from radiosity.patches import Patches
+    from radiosity.path_tracing import PathIrradiance, PathTraced, path_irradiance, path_trace
     from radiosity.report import Report
     from radiosity.scene import Camera, DirectionalLight, Finding, PointLight, Scene, SpotLight, Surface, load
     from radiosity.sensitivity import Sensitivity
@@ -36,6 +37,8 @@ __all__ = [
     "Finding",
     "FormFactors",
     "Patches",
+    "PathIrradiance",
+    "PathTraced",
     "PointLight",
     "Reflectance",
     "Report",
@@ -56,6 +59,8 @@ __all__ = [
     "diagnosis",
     "form_factors",
     "load",
+    "path_irradiance",
+    "path_trace",
     "scenes",
     "solve",
     "teaching",
@@ -77,6 +82,10 @@ _HOME = {
     "Target": "inverse",
     "design": "inverse",
     "Patches": "patches",
+    "PathIrradiance": "path_tracing",
+    "PathTraced": "path_tracing",
+    "path_irradiance": "path_tracing",
+    "path_trace": "path_tracing",
     "Report": "report",
     "Camera": "scene",
     "DirectionalLight": "scene",
@@ -101,6 +110,7 @@ _MODULES = {
     "files",
     "inverse",
     "patches",
+    "path_tracing",
     "picture",
     "report",
     "scene",

@@ -27,8 +27,9 @@ LitSurfaceTuple = tuple[str, str, list[float], bool]
 # severity, code, element, message; surface, (k,) faces of it, (k, 2, 3) edges, (k, 3) points
 _FindingTuple = tuple[Any, str, str, str, int | None, _Indices, _Floats, _Floats]
 # name, vertices, faces, material, reflectance, emission, two-sided
-_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool]
-_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool]
+# name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance
+_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float]
+_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float]
 
 class SceneError(ValueError):
     """A scene that cannot be read, meshed or lit."""
@@ -102,7 +103,13 @@ class Patches:
 
 @final
 class Enclosure:
-    def __new__(cls, patches: Patches, threads: int | None = None) -> Enclosure: ...
+    def __new__(
+        cls,
+        patches: Patches,
+        threads: int | None = None,
+        specular: _Floats | None = None,
+        transmittance: _Floats | None = None,
+    ) -> Enclosure: ...
     def locate(self, points: _Floats, normals: _Floats, reach: float) -> tuple[npt.NDArray[np.int64], _Floats]: ...
     def validate(self) -> None: ...
     # polygon or -1, distance, whether it is the front
@@ -323,6 +330,7 @@ def write_lit(
     bands: list[str],
     blocks: list[_Floats],
     cameras: list[CameraTuple],
+    lights: list[LightTuple] | None,
     report: str,
 ) -> None: ...
 def write_vtp(
@@ -332,11 +340,15 @@ def write_vtp(
     bands: list[str],
     blocks: list[_Floats],
     cameras: list[CameraTuple],
+    lights: list[LightTuple] | None,
     report: str,
 ) -> None: ...
 def read_lit(
     path: str,
-) -> tuple[Patches, list[LitSurfaceTuple], list[str], list[_Floats], list[CameraTuple], str] | None: ...
+) -> (
+    tuple[Patches, list[LitSurfaceTuple], list[str], list[_Floats], list[CameraTuple], list[LightTuple] | None, str]
+    | None
+): ...
 def render(
     patches: Patches,
     values: _Floats,
@@ -353,6 +365,54 @@ def render(
 ) -> _Pixels: ...
 def write_png(path: str, image: _Pixels, exposure: float | None = None, curve: str = "filmic") -> None: ...
 def write_false_colours(
-    path: str, image: _Pixels, low: float | None = None, high: float | None = None
+    path: str, image: _Pixels, low: float | None = None, high: float | None = None, legend: str | None = None
 ) -> tuple[float, float]: ...
 def write_exr(path: str, image: _Pixels, bands: list[str]) -> None: ...
+
+# image and its standard error, samples, relative error, rays
+def gather(
+    patches: Patches,
+    emission: _Floats,
+    reflectance: _Floats,
+    irradiance: _Floats,
+    radiosity: _Floats,
+    lights: list[LightTuple],
+    camera: CameraTuple,
+    width: int,
+    height: int,
+    samples: int,
+    show: str,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Pixels, _Pixels, int, float, int]: ...
+def path_trace(
+    patches: Patches,
+    emission: _Floats,
+    reflectance: _Floats,
+    lights: list[LightTuple],
+    camera: CameraTuple,
+    width: int,
+    height: int,
+    samples: int,
+    accuracy: float | None,
+    show: str,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Pixels, _Pixels, int, float, int]: ...
+
+# irradiance and its standard error, samples, relative error, rays
+def path_irradiance(
+    enclosure: Enclosure,
+    emission: _Floats,
+    reflectance: _Floats,
+    lights: list[LightTuple],
+    points: _Floats | None,
+    normals: _Floats | None,
+    samples: int,
+    accuracy: float | None,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Floats, _Floats, int, float, int]: ...

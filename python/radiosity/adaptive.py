@@ -245,6 +245,8 @@ class _Search:
         """Squared error by the mesh on each leaf, as a share of the whole, over the squared mean; and its noise."""
         patches = solution.patches
         weight = patches.area if importance is None else patches.area * importance
+        if patches.is_specular:  # perfect mirrors take no light, and errors of it do not count
+            weight = weight * (patches.specular + patches.transmittance < 1)
         side = np.concatenate([np.arange(len(patches)), np.flatnonzero(patches.two_sided)])
         weight = weight[side] / weight[side].sum()
         irradiance = np.concatenate([solution.irradiance, solution.back_irradiance[patches.two_sided]])

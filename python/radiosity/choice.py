@@ -28,6 +28,8 @@ def choose(patches: Patches, accuracy: float, memory_limit: int) -> tuple[Way, s
     """The way to solve, and why, in words for a report."""
     sides = len(patches) + int(np.count_nonzero(patches.two_sided))
     needed = BYTES_OF_BLOCKS * sides
+    if patches.is_specular:
+        return "sampled", "nothing else follows light by mirrors and glass"
     if sides < MANY_SIDES:
         return "sampled", f"{sides:,} sides are few"
     if sides >= TOO_MANY_SIDES:

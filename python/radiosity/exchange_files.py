@@ -91,7 +91,7 @@ class ExchangeFile:
             ValueError: they were measured between other patches, or the file is damaged.
         """
         patches = self.patches() if patches is None else patches
-        native = self._native.factors(patches._enclosure, memory_or_most(memory_limit))
+        native = self._native.factors(patches._diffuse_enclosure("form factors"), memory_or_most(memory_limit))
         return FormFactors(patches, native, self._told["method"], self._told["tolerance"])
 
     def patches(self) -> Patches:

@@ -96,7 +96,7 @@ def load_factors(
     elif not np.array_equal(patches.polygons, found.polygons):
         raise ValueError(f"{path}: these form factors are between other patches")
     try:
-        native = _native.given_factors(patches._enclosure, offsets, columns, values)
+        native = _native.given_factors(patches._diffuse_enclosure("form factors"), offsets, columns, values)
     except ValueError as e:
         raise ValueError(f"{path}: {e}") from e
     return FormFactors(patches, native, report["method"], report["tolerance"])

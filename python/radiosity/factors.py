@@ -362,8 +362,9 @@ def form_factors(
         progress: called with (done, total) some twenty times a second.
 
     Raises:
-        ValueError: no such method, a count that does not go with the method, a tolerance out of reach; a checkpoint of
-            other patches or settings (delete it to start over), or a damaged one.
+        ValueError: no such method, a count that does not go with the method, a tolerance out of reach; mirrors or clear
+            glass, which form factors leave out; a checkpoint of other patches or settings (delete it to start over), or
+            a damaged one.
         ResourceError: the form factors may not fit the memory limit.
         OSError: the checkpoint cannot be written. If the disk is full, what is done stays: make room and call again.
         BlockingIOError: another process is measuring onto the same file.
@@ -378,7 +379,7 @@ def form_factors(
     samples, wanted = _samples(method, tolerance, rays, hemicubes, points)
     with _explained(checkpoint):
         native = _native.form_factors(
-            patches._enclosure,
+            patches._diffuse_enclosure("form factors"),
             method,
             DEFAULT_TOLERANCE if wanted is None else wanted,
             samples,

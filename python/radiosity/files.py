@@ -39,6 +39,8 @@ class LitModel:
         bands: names of the bands.
         emission, irradiance, radiosity, error: (n, bands) W/m2.
         cameras: viewpoints.
+        lights: those without area, as the engine takes them: kind, name, position, direction, inner and outer angle,
+            strength per band; None if a file of an earlier version does not say.
         report: the report of the solve as a dictionary.
     """
 
@@ -50,6 +52,7 @@ class LitModel:
     radiosity: Floats
     error: Floats
     cameras: list[Camera]
+    lights: list[_native.LightTuple] | None
     report: dict[str, Any]
 
     @classmethod
@@ -74,7 +77,7 @@ class LitModel:
     def _native_fields(self) -> tuple[Any, ...]:
         blocks = [np.ascontiguousarray(v) for v in (self.emission, self.irradiance, self.radiosity, self.error)]
         cameras = [c._tuple() for c in self.cameras]
-        return self.patches, self.surfaces, self.bands, blocks, cameras, json.dumps(self.report)
+        return self.patches, self.surfaces, self.bands, blocks, cameras, self.lights, json.dumps(self.report)
 
 
 def _surface_reflectance(solution: Solution) -> list[list[float]]:
@@ -93,7 +96,13 @@ def _light_of(solution: Solution, back: npt.NDArray[np.intp]) -> dict[str, Any]:
     ]
     if len(back):
         surfaces += [(f"{name} (back)", paint, rho, both) for name, paint, rho, both in surfaces]
+    scene = solution.patches.scene
+    lights: list[_native.LightTuple] = [
+        (*light._tuple(len(scene.bands))[:-1], strength)
+        for light, strength in zip(scene.lights, solution.lights.tolist(), strict=True)
+    ]
     return {
+        "lights": lights,
         "surfaces": surfaces,
         "emission": np.concatenate([solution.emission, solution.emission[back]]),
         "irradiance": np.concatenate([solution.irradiance, solution.back_irradiance[back]]),
@@ -111,7 +120,7 @@ def _with_backs(p: Patches, back: npt.NDArray[np.intp]) -> _native.Patches:
     polygons = np.concatenate([p.polygons, reversed_polygons])
     surface = np.concatenate([p.surface, p.surface[back] + np.uint32(len(p.scene.surfaces))])
     face = np.concatenate([p.face, p.face[back]])
-    return _native.Patches(polygons, surface, face, np.zeros(len(polygons), dtype=bool))
+    return _native.Patches(polygons, surface, face, np.zeros(len(polygons), dtype=bool), p.obstructions)
 
 
 def load_lit(path: PathLike) -> LitModel | None:
@@ -123,11 +132,11 @@ def load_lit(path: PathLike) -> LitModel | None:
     fields = _native.read_lit(os.fspath(path))
     if fields is None:
         return None
-    patches, surfaces, bands, blocks, cameras, report = fields
+    patches, surfaces, bands, blocks, cameras, lights, report = fields
     emission, irradiance, radiosity, error = blocks
     views = [Camera._from_tuple(camera) for camera in cameras]
     told = json.loads(report) if report else {}
-    return LitModel(patches, surfaces, bands, emission, irradiance, radiosity, error, views, told)
+    return LitModel(patches, surfaces, bands, emission, irradiance, radiosity, error, views, lights, told)
 
 
 def save(solution: Solution, path: PathLike) -> None:
@@ -169,6 +178,8 @@ def _save_arrays(solution: Solution, path: Path) -> None:
         "surface_names": np.array([s.name for s in p.scene.surfaces]),
         "report": np.array(json.dumps(solution.report.to_dict(timed=False))),
     }
+    if p.is_specular:
+        arrays |= {"specular": p.specular, "transmittance": p.transmittance}
     write_whole(path, lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
 
 

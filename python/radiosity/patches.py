@@ -28,7 +28,8 @@ class Patches:
         obstructions: (k, 4, 3) corners of polygons that only block: opaque, black and without ids.
         cut: the arguments of :meth:`radiosity.Scene.patches`, to make the same patches again; None if unknown.
 
-    Obstructions take part in exchange. Pictures and saved solutions leave them out.
+    Obstructions take part in exchange and cast shadows. Pictures do not show them; of saved solutions lit models keep
+    them.
     """
 
     def __init__(self, scene: Scene, native: _native.Patches, cut: dict[str, Any] | None = None) -> None:
@@ -92,6 +93,26 @@ class Patches:
         """(n, bands) radiant exitance, W/m2."""
         return self._per_patch([s.emission for s in self.scene.surfaces])
 
+    @cached_property
+    def specular(self) -> Floats:
+        """(n,) mirror reflectance, the same in all bands."""
+        return self._going_on[:, 0]
+
+    @cached_property
+    def transmittance(self) -> Floats:
+        """(n,) what passes straight through, the same in all bands."""
+        return self._going_on[:, 1]
+
+    @cached_property
+    def _going_on(self) -> Floats:
+        parts = [self.scene._going_on(surface) for surface in self.scene.surfaces]
+        return np.array(parts, dtype=np.float64).reshape(-1, 2)[self.surface]
+
+    @cached_property
+    def is_specular(self) -> bool:
+        """Whether any patch is a mirror or lets light through."""
+        return bool(self._going_on.any())
+
     def _per_patch(self, spectra: list[npt.ArrayLike]) -> Floats:
         bands = len(self.scene.bands)
         table = np.array([np.broadcast_to(np.asarray(s, dtype=np.float64), (bands,)) for s in spectra])
@@ -99,4 +120,22 @@ class Patches:
 
     @cached_property
     def _enclosure(self) -> _native.Enclosure:
-        return _native.Enclosure(self._native)
+        if not self.is_specular:
+            return _native.Enclosure(self._native)
+        specular, transmittance = (np.ascontiguousarray(part) for part in (self.specular, self.transmittance))
+        return _native.Enclosure(self._native, None, specular, transmittance)
+
+    def _diffuse_enclosure(self, way: str) -> _native.Enclosure:
+        """The enclosure for a ``way`` to solve that follows no light by mirrors and glass.
+
+        Raises:
+            ValueError: there are any; the message names a surface.
+        """
+        if self.is_specular:
+            surface = self.scene.surfaces[int(self.surface[np.flatnonzero(self._going_on.any(axis=1))[0]])]
+            what = "is a mirror" if np.any(surface.specular) else "lets light through"
+            raise ValueError(
+                f"surface '{surface.name}' {what}, which {way} cannot follow: solve with transport='sampled', or "
+                "set its specular and transmittance to 0"
+            )
+        return self._enclosure

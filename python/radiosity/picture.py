@@ -1,10 +1,10 @@
-"""Pictures of a solution."""
+"""Pictures of a solution, and of scenes by path tracing."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -12,47 +12,91 @@ import numpy as np
 import numpy.typing as npt
 
 from radiosity import _native
+from radiosity.checks import threads_or_all, whole
 from radiosity.files import LitModel
-from radiosity.scene import Camera
+from radiosity.patches import Patches
+from radiosity.scene import Camera, Scene
 from radiosity.solution import Solution
 
 Image = npt.NDArray[np.float32]
 Quantity = Literal["radiosity", "irradiance", "emission", "error"]
+Mode = Literal["smooth", "patches", "gather", "path"]
+
+SAMPLES: dict[Mode, int] = {"smooth": 16, "patches": 16, "gather": 64, "path": 64}
+"""Rays or paths per pixel where the caller does not say."""
+
+SHOWN_BY: dict[Mode, tuple[Quantity, ...]] = {
+    "smooth": ("radiosity", "irradiance", "emission", "error"),
+    "patches": ("radiosity", "irradiance", "emission", "error"),
+    "gather": ("radiosity", "irradiance"),
+    "path": ("radiosity", "irradiance", "error"),
+}
+"""What each mode can show."""
 
 
 def render(
-    lit: Solution | LitModel,
+    lit: Solution | LitModel | Scene | Patches,
     camera: Camera | None = None,
     *,
     width: int = 800,
     height: int = 600,
-    samples: int = 16,
+    samples: int | None = None,
     show: Quantity = "radiosity",
-    mode: Literal["smooth", "patches"] = "smooth",
+    mode: Mode = "smooth",
+    accuracy: float | None = None,
     threads: int | None = None,
+    seed: int = 0,
     progress: Callable[[int, int], object] | None = None,
 ) -> Image:
-    """Render a solution as a camera sees it.
+    """Render a solution as a camera sees it, or a scene by path tracing.
 
     Args:
-        lit: a solution, or a lit model read by :func:`radiosity.files.load_lit`.
+        lit: a solution, or a lit model read by :func:`radiosity.files.load_lit`; for mode "path" also scene or patches.
         camera: the viewpoint (default: the scene's first, or one that sees everything).
         width, height: pixels.
-        samples: rays per pixel.
-        show: radiosity is shown as radiance (W/m2/sr), other quantities in W/m2.
-        mode: "smooth" interpolates values at corners, "patches" shows each patch's value.
+        samples: rays per pixel (default 16), or paths per pixel of "gather" and "path" (default 64).
+        show: radiosity is shown as radiance (W/m2/sr), other quantities in W/m2. "gather" shows radiosity and
+            irradiance; "path" these and, as "error", the standard error of each pixel's radiance.
+        mode: "smooth" interpolates values at corners, "patches" shows each patch's value. "gather" looks from every
+            point that is seen once more at all lamps and into the solution (final gather; Reichert 1992), so that
+            shadows are as sharp as they are. "path" takes nothing from a solution, see
+            :func:`radiosity.path_tracing.path_trace`, which also returns errors.
+        accuracy: of "path" only: the mean relative standard error of pixels at which to stop.
         threads, progress: as in :func:`radiosity.solve`.
+        seed: of "gather" and "path": the same seed gives the same bytes.
 
     Returns:
         (height, width, bands) float32, linear.
+
+    Raises:
+        ValueError: the mode cannot show this, or draws solutions only.
     """
+    if mode not in SHOWN_BY:
+        raise ValueError(f"there is no mode '{mode}'; choose one of {', '.join(SHOWN_BY)}")
+    if show not in SHOWN_BY[mode]:
+        raise ValueError(f"mode '{mode}' cannot show '{show}'; it shows {', '.join(SHOWN_BY[mode])}")
+    if mode == "path":
+        from radiosity.path_tracing import path_trace  # noqa: PLC0415
+
+        traced = path_trace(
+            lit, camera, width=width, height=height, samples=samples, accuracy=accuracy,
+            show="irradiance" if show == "irradiance" else "radiosity", threads=threads, seed=seed, progress=progress,
+        )  # fmt: skip
+        return traced.standard_error if show == "error" else traced.image
+    if accuracy is not None:
+        raise ValueError("accuracy is for mode 'path'; other modes are as accurate as the solution")
+    if not isinstance(lit, Solution | LitModel):
+        raise ValueError(f"mode '{mode}' draws a solution: solve the scene first, or use mode 'path'")
+    rays = SAMPLES[mode] if samples is None else samples
+    if mode == "gather":
+        return _gather(lit, camera, width, height, rays, show, threads_or_all(threads), seed, progress)
     if isinstance(lit, Solution):
         lit = LitModel.of(lit)
     camera = camera or default_camera(lit)
     values: npt.NDArray[np.float64] = getattr(lit, show)
     is_radiosity = show == "radiosity"
     return _native.render(
-        lit.patches, np.ascontiguousarray(values), camera._tuple(), width, height, samples,
+        lit.patches, np.ascontiguousarray(values), camera._tuple(), width, height, rays,
         1 / math.pi if is_radiosity else 1.0, mode == "smooth",
         np.ascontiguousarray(lit.irradiance) if is_radiosity else None,
         [reflectance for _, _, reflectance, _ in lit.surfaces] if is_radiosity else None,
@@ -60,14 +104,57 @@ def render(
     )  # fmt: skip
 
 
+def _gather(
+    lit: Solution | LitModel,
+    camera: Camera | None,
+    width: int,
+    height: int,
+    samples: int,
+    show: Quantity,
+    threads: int | None,
+    seed: int,
+    progress: Callable[[int, int], object] | None,
+) -> Image:
+    model = LitModel.of(lit) if isinstance(lit, Solution) else lit
+    paint = np.array([reflectance for _, _, reflectance, _ in model.surfaces], dtype=np.float64)
+    paint = paint.reshape(-1, len(model.bands))[model.patches.surface]
+    if isinstance(lit, Solution):
+        # Relighting may have given each patch a paint of its own.
+        paint = np.concatenate([lit.reflectance, lit.reflectance[lit.patches.two_sided]])
+    blocks = [np.ascontiguousarray(b) for b in (model.emission, paint, model.irradiance, model.radiosity)]
+    return _native.gather(
+        model.patches, blocks[0], blocks[1], blocks[2], blocks[3], model.lights or [],
+        (camera or default_camera(model))._tuple(), width, height,
+        whole(samples, "samples", 1, 1 << 24), "radiance" if show == "radiosity" else show,
+        whole(seed, "seed", 0, 2**64 - 1), threads, progress,
+    )[0]  # fmt: skip
+
+
 def default_camera(lit: LitModel) -> Camera:
     """The first camera of the model, or one that looks at its middle from a corner outside."""
-    if lit.cameras:
-        return lit.cameras[0]
-    points = lit.patches.polygons.reshape(-1, 3)
+    return camera_of(lit.cameras, lit.patches.polygons)
+
+
+def camera_of(cameras: Sequence[Camera], polygons: npt.NDArray[np.float64]) -> Camera:
+    """The first of the cameras, or one that looks at the middle of (n, 4, 3) polygons from a corner outside."""
+    if cameras:
+        return cameras[0]
+    points = polygons.reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     middle, size = 0.5 * (low + high), float(np.linalg.norm(high - low)) or 1.0
     return Camera.look_at(middle + size * np.array([0.6, 0.5, 1.0]), middle)
+
+
+def legend_of(show: Quantity, mode: Mode = "smooth") -> str:
+    """What the legend of a picture in false colours says: the quantity and its unit, in lines."""
+    if mode == "path" and show == "error":
+        return "standard\nerror of\nradiance\nW/(m2 sr)"
+    return {
+        "radiosity": "radiance\nW/(m2 sr)",
+        "irradiance": "irradiance\nW/m2",
+        "emission": "exitance\nW/m2",
+        "error": "error of\nirradiance\nW/m2",
+    }[show]
 
 
 def save_image(
@@ -77,6 +164,7 @@ def save_image(
     exposure: float | Literal["auto"] = "auto",
     curve: Literal["filmic", "linear", "reinhard"] = "filmic",
     false_colours: bool = False,
+    legend: str | None = None,
     bands: list[str] | None = None,
 ) -> tuple[float, float] | None:
     """Write a linear image as ``.png`` (developed to sRGB) or ``.exr`` (linear, as it is).
@@ -87,6 +175,8 @@ def save_image(
         exposure: stops, or "auto" for a mean of middle grey.
         curve: tone curve of a PNG.
         false_colours: map the mean over bands to colours instead; returns the values of the first and last colour.
+        legend: with false colours, lines of text above a bar of the colours with their values, which stands on the
+            right and makes the picture wider, see :func:`legend_of`; None for no bar.
         bands: channel names of an EXR.
 
     Raises:
@@ -101,6 +191,6 @@ def save_image(
     if suffix != ".png":
         raise ValueError(f"{path}: cannot write '{suffix}' pictures; use .png or .exr")
     if false_colours:
-        return _native.write_false_colours(os.fspath(path), pixels, None, None)
+        return _native.write_false_colours(os.fspath(path), pixels, None, None, legend)
     _native.write_png(os.fspath(path), pixels, None if exposure == "auto" else float(exposure), curve)
     return None

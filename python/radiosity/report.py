@@ -40,6 +40,9 @@ class Report:
     linear over patches, as it is on a mesh of the engine's own, the last of ``meshes``; then ``mesh_error``, what that
     field leaves of the light, is part of it. Otherwise it is the error of the means of patches. ``limited_by`` is
     ``"accuracy"`` when the request was met.
+    ``absorbed_by_mirrors`` is the part of ``absorbed`` that surfaces with a mirror reflectance or transmittance take.
+    ``unfollowed`` is what goes on between mirrors beyond what is followed; it counts as an error. Both are empty where
+    there are no mirrors and no glass.
     ``closure_*`` are raw row sums of the form factors before ``closure_residual`` remained after balancing.
 
     ``transport`` says what the equations were solved on ("sampled", "hierarchical", "given", "on_demand" for rows drawn
@@ -98,6 +101,8 @@ class Report:
     transport: str = "sampled"
     why: str = ""
     meshes: int = 0
+    absorbed_by_mirrors: list[float] = field(default_factory=list)
+    unfollowed: list[float] = field(default_factory=list)
 
     @property
     def reached(self) -> bool:
@@ -112,13 +117,15 @@ class Report:
     def to_dict(self, *, timed: bool = True) -> dict[str, Any]:
         """Plain numbers, strings and lists, ready for JSON; not ``timed``, the same for the same seed."""
         items = asdict(self) | {"reached": self.reached}
+        if not self.absorbed_by_mirrors:
+            del items["absorbed_by_mirrors"], items["unfollowed"]
         return {name: value for name, value in items.items() if timed or not name.endswith("seconds")}
 
     def rows(self) -> list[tuple[str, str]]:
         """Label and text of each line of the table."""
 
         def powers(values: list[float]) -> str:
-            return "  ".join(f"{name} {v:.4g}" for name, v in zip(self.bands, values, strict=True)) + " W"
+            return "  ".join(f"{name} {v:.4g}" for name, v in zip(self.bands, values, strict=bool(values))) + " W"
 
         rows = [
             ("estimated error", f"{self.estimated_error:.3%} of the mean irradiance (asked for {self.accuracy:.3%})"),
@@ -129,8 +136,10 @@ class Report:
             ("emitted", powers(self.emitted)),
             ("arrived from lights", powers(self.from_lights)),
             ("absorbed", powers(self.absorbed)),
+            ("  by mirrors", powers(self.absorbed_by_mirrors) + " by what mirrors or lets light through"),
             ("escaped", powers(self.escaped)),
             ("lost on backs", powers(self.lost_on_backs)),
+            ("not followed", powers(self.unfollowed) + " between mirrors"),
             ("energy imbalance", f"{self.imbalance:+.3%}"),
             ("closure", f"raw row sums {self.closure_min:.4f} to {self.closure_max:.4f}, mean {self.closure_mean:.4f};"
                         f" {self.escape_share:.2%} of rays escape"),
@@ -148,6 +157,8 @@ class Report:
         present = {
             "arrived from lights": any(self.from_lights),
             "lost on backs": any(self.lost_on_backs),
+            "  by mirrors": any(self.absorbed_by_mirrors),
+            "not followed": any(self.unfollowed),
             "rows on demand": self.rows_on_demand > 0,
             "  by the mesh": self.mesh_error > 0,
         }

@@ -29,6 +29,14 @@ def _spectrum(values: npt.ArrayLike, bands: int, what: str) -> list[float]:
     return [float(x) for x in np.broadcast_to(array, (bands,))]
 
 
+def _grey(values: npt.ArrayLike, bands: int, what: str) -> float:
+    """One number of what is the same in all bands."""
+    spectrum = _spectrum(values, bands, what)
+    if len(set(spectrum)) > 1:
+        raise SceneError(f"{what} differs between bands, and mirrors and glass are grey; give one number")
+    return spectrum[0] if spectrum else 0.0
+
+
 def _bands_of(values: npt.ArrayLike) -> int:
     array = np.asarray(values)
     return int(array.shape[0]) if array.ndim else 1
@@ -54,14 +62,21 @@ def _unit(direction: Sequence[float] | Floats, light: str) -> Triple:
 class Surface:
     """Polygons that share one material.
 
+    Of what meets a surface, diffuse reflectance, mirror reflectance and transmittance are parts, which together stay
+    below 1 in every band; the rest is absorbed. An ideal mirror or pane, of reflectance 0, may send on all of it.
+
     Args:
         vertices: (n, 3) float, metres.
         faces: (m, 3) or (m, 4) int, counter-clockwise seen from the front. Quads must be planar and convex.
         reflectance: diffuse reflectance in [0, 1), a number or one per band.
         emission: radiant exitance in W/m2, a number or one per band; pi times the radiance of a Lambertian emitter.
         name: for messages and files.
-        two_sided: whether both sides reflect and emit; the back of a one-sided surface is opaque and black.
+        two_sided: whether both sides reflect and emit; the back of a one-sided surface is black, and opaque but for its
+            transmittance.
         material: the material's name, for files.
+        specular: mirror reflectance in [0, 1], the same in all bands: what goes on as from a plane mirror.
+        transmittance: what passes straight through, as through a thin sheet of clear glass and from either side, in
+            [0, 1], the same in all bands.
     """
 
     vertices: npt.ArrayLike
@@ -71,6 +86,8 @@ class Surface:
     name: str = ""
     two_sided: bool = False
     material: str = ""
+    specular: npt.ArrayLike = 0.0
+    transmittance: npt.ArrayLike = 0.0
 
     def __post_init__(self) -> None:
         vertices, faces = np.asarray(self.vertices, dtype=np.float64), np.asarray(self.faces)
@@ -276,12 +293,12 @@ class Scene:
         surfaces = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
              _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
-             _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided)
+             _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s))
             for s in self.surfaces
         ]  # fmt: skip
         obstructions = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
-             [0.0] * n, [0.0] * n, False)
+             [0.0] * n, [0.0] * n, False, 0.0, 0.0)
             for s in self.obstructions
         ]  # fmt: skip
         lights, cameras = [light._tuple(n) for light in self.lights], [camera._tuple() for camera in self.cameras]
@@ -289,6 +306,12 @@ class Scene:
         if any(index < 0 for pair in combined.items() for index in pair):
             raise SceneError(f"{self.name}: combined has a negative index; surfaces count from 0")
         return _native.Scene(self.name, bands, surfaces, lights, cameras, obstructions, combined)
+
+    def _going_on(self, surface: Surface) -> tuple[float, float]:
+        """The parts that a surface reflects as a mirror does and lets through."""
+        n = len(self.bands)
+        specular = _grey(surface.specular, n, f"specular of surface '{surface.name}'")
+        return specular, _grey(surface.transmittance, n, f"transmittance of surface '{surface.name}'")
 
     def findings(self, *, enclosure: bool | None = None) -> list[Finding]:
         """Everything worth knowing before lighting the scene, worst first.
@@ -341,8 +364,8 @@ class Scene:
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:
-    name, vertices, faces, material, reflectance, emission, two_sided = fields
-    return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material)
+    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance = fields
+    return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance)
 
 
 def _trim(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]:

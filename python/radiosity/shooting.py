@@ -190,7 +190,7 @@ def _shoot(
     if not seconds > 0:
         raise ValueError(f"time_limit must be a positive number of seconds, not {time_limit}")
     native = _native.shoot(
-        patches._enclosure, reflectance, emission, _lamps(patches.scene, lights), accuracy, seed,
+        patches._diffuse_enclosure("shooting"), reflectance, emission, _lamps(patches.scene, lights), accuracy, seed,
         whole(max_rays, "max_rays", 1, 2**32 - 1), memory_or_most(memory_limit), seconds, state, threads, progress,
     )  # fmt: skip
     options: dict[str, Any] = {"accuracy": float(accuracy), "max_rays": max_rays, "threads": threads, "seed": seed}

@@ -262,9 +262,10 @@ def solve(
         accuracy: wanted error of irradiance, root mean square over area and bands, relative to its mean. The engine
             works until its own estimate of the error is below; ``report.reached`` says whether it got there.
         transport: what the equations are solved on. "sampled": samples of what every patch sees, which the answer is
-            gathered through once more. "hierarchical": an exchange in blocks made for this light, for many patches;
-            it is relit in no time. Or form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by
-            patch. Left out, the engine chooses by size, accuracy and memory; ``report.why`` says why.
+            gathered through once more, and that alone follows light by mirrors and clear glass. "hierarchical": an
+            exchange in blocks made for this light, for many patches; it is relit in no time. Or form factors F to solve
+            ``B = E + rho F B`` on, exactly as they are and patch by patch. Left out, the engine chooses by size,
+            accuracy and memory; ``report.why`` says why.
         solver: how the equations are solved (default "conjugate_gradient"; where nothing else fits, and ``transport``
             is left out too, the engine chooses "shooting"). "conjugate_gradient" takes fewest products where much is
             reflected. "jacobi" is light bounce by bounce, "gauss_seidel" patch by patch, and "over_relaxation" the
@@ -300,7 +301,8 @@ def solve(
     Raises:
         SceneError: the scene cannot be lit.
         ResourceError: not even a first estimate fits the memory limit.
-        ValueError: there is no such solver, or ``on_iterate`` for a solve that samples.
+        ValueError: there is no such solver, ``on_iterate`` for a solve that samples, or mirrors or glass for one that
+            does not.
     """
     memory, why = memory_or_most(memory_limit), ""
     if isinstance(scene, Scene) and _is_adaptable(scene, transport, solver, start, on_iterate):
@@ -446,11 +448,12 @@ def _way(
     if transport not in (None, "sampled", "hierarchical"):
         raise ValueError(f"there is no transport '{transport}'; choose sampled or hierarchical, or pass form factors")
     if transport == "hierarchical":
-        return "hierarchical", partial(_native.solve_linked, patches._enclosure)
+        return "hierarchical", partial(_native.solve_linked, patches._diffuse_enclosure("a hierarchical exchange"))
     if solver in PROGRESSIVE:
         if transport == "sampled":
             raise ValueError(f"{solver} shoots from rows, not samples: leave out transport, or pass form factors")
-        return "on_demand", partial(_native.solve_on_demand, patches._enclosure)
+        enclosure = patches._diffuse_enclosure(f"{solver}, which draws hemicubes,")
+        return "on_demand", partial(_native.solve_on_demand, enclosure)
     return "sampled", None
 
 

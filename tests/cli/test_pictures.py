@@ -120,6 +120,44 @@ def test_views_and_quantities_differ(call: Call, tmp_path: Path) -> None:
     assert len(set(pictures)) == len(variants)
 
 
+def test_path_tracing_solves_nothing_and_tells_its_errors(run: Runner, tmp_path: Path) -> None:
+    done = run("render", "builtin:cornell-box", "-o", "a.png", *SMALL, "--mode", "path", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    told = json.loads(done.stdout)
+    assert told["report"] is None
+    assert told["paths"]["samples"] == 4
+    assert 0 < told["paths"]["relative_error"] < 2
+    said = run("render", "builtin:cornell-box", "-o", "a.png", *SMALL[:4], "--mode", "path", "--accuracy", 0.2)
+    assert said.returncode == 0
+    assert "mean relative standard error" in said.stdout
+    missed = run("render", "builtin:cornell-box", "-o", "b.png", *SMALL, "--mode", "path", "--accuracy", 1e-4)
+    assert missed.returncode == 4
+    assert "after 4 paths a pixel; raise --samples" in missed.stderr
+    assert picture(tmp_path / "b.png").std() > 10
+
+
+def test_a_gathered_lit_model(run: Runner, tmp_path: Path) -> None:
+    run("solve", *QUICK, "-o", "lit.glb")
+    assert run("render", "lit.glb", "-o", "gather.png", *SMALL, "--mode", "gather").returncode == 0
+    assert run("render", "lit.glb", "-o", "path.png", *SMALL, "--mode", "path", "--samples", 256).returncode == 0
+    gathered, traced = picture(tmp_path / "gather.png"), picture(tmp_path / "path.png")
+    assert np.mean(np.abs(gathered - traced)) < 12
+
+
+def test_false_colours_have_a_legend(call: Call, tmp_path: Path) -> None:
+    call("solve", *QUICK, "-o", "lit.glb")
+    said = call("render", "lit.glb", "-o", "a.png", *SMALL, "--show", "error", "--false-colours")
+    assert "colours from 0 to" in said
+    assert picture(tmp_path / "a.png").shape[1] > 40 + 80
+
+
+def test_a_mode_that_cannot_show_it(run: Runner, tmp_path: Path) -> None:
+    done = run("render", *QUICK, "-o", "a.png", "--mode", "gather", "--show", "error")
+    assert done.returncode == 2
+    assert "--mode gather cannot show error: choose --show radiosity or irradiance" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_an_unknown_camera(run: Runner, tmp_path: Path) -> None:
     done = run("render", *QUICK, "-o", "a.png", "--camera", "attic")
     assert done.returncode == 2

@@ -92,10 +92,22 @@ fn on_samples(
     weights: &[Vec<f64>],
     control: &Control,
 ) -> Result<Vec<Gradient>, Failure> {
+    let enclosure = measurement.transport.enclosure();
+    let lighting = &*lighting.of_diffuse_parts(enclosure);
     let options = options(lighting.highest_reflectance());
     let task =
         Task { measurement, lighting, solver: conjugate_gradient, options, as_field: false, importance: &[], control };
-    task.transposed(weights)
+    let mut gradients = task.transposed(weights)?;
+    if let Some(specular) = enclosure.specular() {
+        // From the optics of diffuse parts to those of patches.
+        for gradient in &mut gradients {
+            for block in [&mut gradient.emission, &mut gradient.reflectance] {
+                let share = |k: usize| specular.diffuse_share(k / lighting.bands);
+                block.iter_mut().enumerate().for_each(|(k, v)| *v = ratio(*v, share(k)));
+            }
+        }
+    }
+    Ok(gradients)
 }
 
 /// A solution on form factors. Blocks are sides x bands.

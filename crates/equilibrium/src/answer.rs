@@ -26,6 +26,8 @@ pub(crate) struct Answer {
     pub escaped: Vec<f64>,
     /// What ends on black backs, or never leaves because a solid stands there, W per m2 of the side.
     pub lost: Vec<f64>,
+    /// What is not followed to its end between mirrors, W per m2 of the side.
+    pub unfollowed: Vec<f64>,
     /// How the solve on sides went.
     pub solver: SolveReport,
 }
@@ -79,13 +81,13 @@ impl Task<'_> {
     /// The area of a side times how much an error on it matters.
     pub fn weight(&self, side: usize) -> f64 {
         let enclosure = self.transport().enclosure();
-        enclosure.area(side) * self.importance.get(enclosure.patch_of(side)).unwrap_or(&1.0)
+        enclosure.counted_area(side) * self.importance.get(enclosure.patch_of(side)).unwrap_or(&1.0)
     }
 
     /// `B = E + rho H`, sides x bands.
-    pub fn radiosity(&self, irradiance: &[f64]) -> Vec<f64> {
-        let emission = self.per_side(|p| self.lighting.emission_of(p));
-        let reflectance = self.per_side(|p| self.lighting.reflectance_of(p));
+    pub fn radiosity(&self, lighting: &Lighting, irradiance: &[f64]) -> Vec<f64> {
+        let emission = self.per_side(|p| lighting.emission_of(p));
+        let reflectance = self.per_side(|p| lighting.reflectance_of(p));
         emission.iter().zip(&reflectance).zip(irradiance).map(|((e, rho), h)| e + rho * h).collect()
     }
 
@@ -106,6 +108,7 @@ impl Task<'_> {
             by_cell: vec![0.0; sides * width * CELLS],
             escaped: vec![0.0; sides * bands],
             lost: vec![0.0; sides * bands],
+            unfollowed: vec![0.0; sides * bands],
             solver,
         };
         // Three bands at a time, as most scenes have, then what is left one by one.
@@ -160,7 +163,7 @@ impl Task<'_> {
                     out.iter_mut().zip(lamp).for_each(|(o, l)| *o += f64::from(sample.weight) * l);
                 }
             }
-            let exposure = ratio(area[side], self.transport().enclosure().area(side));
+            let exposure = ratio(area[side], self.transport().enclosure().diffuse_area(side));
             let scale = ratio(1.0, self.light_samples(side) * exposure);
             out.iter_mut().for_each(|o| *o *= scale);
         });
@@ -174,6 +177,16 @@ impl Task<'_> {
         let area = &self.measurement.exchange.exposed_area;
         for (side, incident) in self.incident(area).chunks_exact(bands).enumerate() {
             power.iter_mut().zip(incident).for_each(|(p, i)| *p += area[side] * i);
+        }
+        power
+    }
+
+    /// Power of lights without area that arrives by more mirrors than their images are followed through, per band, W.
+    pub fn unfollowed_of_lights(&self) -> Vec<f64> {
+        let mut power = vec![0.0; self.lighting.bands];
+        for lamp in &self.lighting.lamps {
+            let left_out = self.transport().left_out(&lamp.luminaire);
+            power.iter_mut().zip(&lamp.strength).for_each(|(p, s)| *p += left_out * s);
         }
         power
     }
@@ -242,6 +255,7 @@ impl Task<'_> {
                 answer.by_elements[k] = g.by_elements[c];
                 answer.escaped[k] = g.escaped[c];
                 answer.lost[k] = g.lost[c];
+                answer.unfollowed[k] = g.unfollowed[c];
                 for r in 0..replicates {
                     answer.by_rays[(side * replicates + r) * bands + first + c] = g.by_rays[r][c];
                     answer.by_lights[(side * replicates + r) * bands + first + c] = g.by_lights[r][c];
@@ -311,7 +325,7 @@ impl Task<'_> {
         for shot in self.transport().shots().of(side).flatten() {
             let element = &mut seen[elements.at(side, shot.origin_cell) - start];
             element.shots += 1;
-            element.buried += u32::from(shot.target == Shot::BURIED);
+            element.buried += u32::from(shot.target() == Shot::BURIED);
             if let Some(e) = self.seen_by_ray(elements, shot) {
                 add(&mut element.by_rays, 1.0, &fine.elements[e]);
             }
@@ -330,8 +344,9 @@ impl Task<'_> {
     /// The element a ray sees, unless that is measured by area or there is none.
     #[inline]
     fn seen_by_ray(&self, elements: &Elements, shot: &Shot) -> Option<usize> {
-        let target = shot.target as usize;
-        (shot.landed() && !self.transport().is_lamp(target)).then(|| elements.at(target, shot.target_cell))
+        let target = shot.target() as usize;
+        (shot.landed() && (!self.transport().is_lamp(target) || shot.is_beyond_images()))
+            .then(|| elements.at(target, shot.target_cell))
     }
 
     /// What a luminaire sends per unit of its samples' weight.
@@ -367,6 +382,7 @@ impl Task<'_> {
             by_elements: [0.0; C],
             escaped: [0.0; C],
             lost: [0.0; C],
+            unfollowed: [0.0; C],
         };
         let own_emission = self.lighting.emission_of(self.transport().enclosure().patch_of(side));
         let own_emission: Values<C> = std::array::from_fn(|c| own_emission[first + c]);
@@ -377,8 +393,8 @@ impl Task<'_> {
                 let cell = &mut cell_rays[shot.origin_cell.coarse(CELL_LEVEL)];
                 cell.count += 1;
                 if let Some(e) = self.seen_by_ray(elements, shot) {
-                    let (value, mean) = (&fine.elements[e], &fine.sides[shot.target as usize]);
-                    let left = ERROR_LEFT[elements.level(shot.target as usize) as usize];
+                    let (value, mean) = (&fine.elements[e], &fine.sides[shot.target() as usize]);
+                    let left = ERROR_LEFT[elements.level(shot.target() as usize) as usize];
                     add(&mut cell.sum, 1.0, value);
                     for c in 0..C {
                         rays[c] += value[c];
@@ -386,10 +402,11 @@ impl Task<'_> {
                     }
                 } else {
                     let own = || &fine.elements[elements.at(side, shot.origin_cell)];
-                    match shot.target {
+                    match shot.target() {
                         Shot::ESCAPED => add(&mut g.escaped, per_shot, own()),
                         Shot::BACK => add(&mut g.lost, per_shot, own()),
                         Shot::BURIED => add(&mut g.lost, per_shot, &own_emission),
+                        Shot::LOST => add(&mut g.unfollowed, per_shot, own()),
                         _ => {}
                     }
                 }
@@ -495,6 +512,7 @@ struct Gathered<const C: usize> {
     by_elements: Values<C>,
     escaped: Values<C>,
     lost: Values<C>,
+    unfollowed: Values<C>,
 }
 
 fn mean_over_exposed<const C: usize>(seen: &[Seen<C>], values: &[Values<C>]) -> Option<Values<C>> {

@@ -105,9 +105,11 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
         }
     }
     let carried = carry(task, &deviation, replicates)?;
-    let mesh = MeshError::of(enclosure, &values, &answer.by_cell, replicates, bands);
+    let mut mesh = MeshError::of(enclosure, &values, &answer.by_cell, replicates, bands);
+    mesh.clear_where(bands, |side| enclosure.counted_area(side) == 0.0 && enclosure.area(side) > 0.0);
     let energy = Energy::of(task, answer);
     let solver = answer.solver.residual / (1.0 - task.lighting.highest_reflectance());
+    let unfollowed = energy.unfollowed_share();
     let total_area: f64 = (0..sides).map(|side| task.weight(side)).sum();
     let (mut own_part, mut carried_part, mut mesh_part) = (Part::default(), Part::default(), Part::default());
     let (mut elements, mut systematic, mut level) = (0.0, 0.0, 0.0);
@@ -121,8 +123,9 @@ pub(crate) fn estimate(task: &Task, answer: &Answer) -> Result<Estimate, Cancell
             let k = side * bands + b;
             let by_samples = if task.as_field { mesh.variance[k] } else { own[k] };
             let by_elements = answer.by_elements[k].powi(2);
-            let unexplained =
-                (energy.imbalance * answer.irradiance[k]).powi(2) + (solver * answer.irradiance[k]).powi(2);
+            let unexplained = (energy.imbalance * answer.irradiance[k]).powi(2)
+                + (solver * answer.irradiance[k]).powi(2)
+                + (unfollowed * answer.irradiance[k]).powi(2);
             let by_cause = [by_samples, carried, by_elements, unexplained, mesh.smooth_square[k].max(0.0)];
             (0..5).for_each(|cause| squares[cause][k] = by_cause[cause].sqrt());
             // Of the mean over the patch, or of the field on it.
@@ -219,7 +222,7 @@ pub(crate) fn relative_rms(
 ) -> f64 {
     let (mut squares, mut level, mut whole): (f64, f64, f64) = (0.0, 0.0, 0.0);
     for (k, h) in irradiance.iter().enumerate() {
-        let area = enclosure.area(k / bands);
+        let area = enclosure.counted_area(k / bands);
         squares += area * error(k).powi(2);
         level += area * h;
         whole += area;

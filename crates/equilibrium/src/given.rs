@@ -27,6 +27,7 @@ pub fn solve_given(
     control: &Control,
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
+    factors.enclosure.without_specular("given form factors")?;
     let needed = forecast(factors, lighting, settings.accuracy);
     if needed > settings.memory_limit {
         let patches = factors.enclosure.patches().len();
@@ -286,6 +287,8 @@ impl<'a> Task<'a> {
             absorbed: none(),
             escaped: none(),
             lost_on_backs: none(),
+            absorbed_by_mirrors: Vec::new(),
+            unfollowed: Vec::new(),
             imbalance: 0.0,
             escape_share: 0.0,
         };

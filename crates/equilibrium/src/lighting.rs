@@ -1,7 +1,9 @@
 //! What shines and what reflects: the optics of a solve, apart from its geometry.
 
+use crate::answer::ratio;
 use radiosity_exchange::luminaires::Luminaires;
 use radiosity_exchange::{Enclosure, Luminaire};
+use std::borrow::Cow;
 
 /// Emission and reflectance per patch and band, and the lights without area.
 #[derive(Clone, Debug, Default)]
@@ -62,6 +64,17 @@ impl Lighting {
     /// The largest reflectance of any patch and band.
     pub fn highest_reflectance(&self) -> f64 {
         self.reflectance.iter().fold(0.0, |a: f64, &b| a.max(b))
+    }
+
+    /// The optics of what is neither mirror nor pane of patches, as if the rest of their area were not there: what sends
+    /// and reflects as much from less. Perfect mirrors and panes have none.
+    pub fn of_diffuse_parts(&self, enclosure: &Enclosure) -> Cow<'_, Self> {
+        let Some(specular) = enclosure.specular() else { return Cow::Borrowed(self) };
+        let scaled = |block: &[f64]| -> Vec<f64> {
+            block.iter().enumerate().map(|(k, v)| ratio(*v, specular.diffuse_share(k / self.bands))).collect()
+        };
+        let (reflectance, emission) = (scaled(&self.reflectance), scaled(&self.emission));
+        Cow::Owned(Self { bands: self.bands, reflectance, emission, lamps: self.lamps.clone() })
     }
 
     /// Chooses what is sampled by area: strong emitters and every light without area, in a fixed order.

@@ -62,6 +62,15 @@ impl MeshError {
         error
     }
 
+    /// Forgets sides on which light is not looked at.
+    pub fn clear_where(&mut self, bands: usize, is_idle: impl Fn(usize) -> bool) {
+        for side in (0..self.noise.len()).filter(|&side| is_idle(side)) {
+            self.square[side * bands..][..bands].fill(0.0);
+            self.smooth_square[side * bands..][..bands].fill(0.0);
+            (self.noise[side], self.smooth_noise[side]) = (0.0, 0.0);
+        }
+    }
+
     /// Mixes half of the sides from `first` on with those around them, by area.
     fn smooth(&mut self, corners: &Corners<&Patches>, patches: &Patches, first: usize, bands: usize) {
         for patch in 0..patches.len() {

@@ -35,6 +35,7 @@ pub fn solve_on_demand(
     control: &Control,
 ) -> Result<Solution, Failure> {
     let (start, sides) = (Instant::now(), enclosure.sides());
+    enclosure.without_specular("rows drawn on hemicubes")?;
     let needed = RowsOnDemand::least_memory(sides);
     if needed > settings.memory_limit {
         let patches = enclosure.patches().len();
@@ -227,6 +228,8 @@ impl<'a> Task<'a> {
             absorbed: none(),
             escaped: ledger.escaped.clone(),
             lost_on_backs: none(),
+            absorbed_by_mirrors: Vec::new(),
+            unfollowed: Vec::new(),
             imbalance: 0.0,
             escape_share: 0.0,
         };

@@ -11,6 +11,7 @@ use crate::plan::{Kind, plan};
 use crate::report::{Cause, Limit, Report, Seconds, SolverReport};
 use crate::transport::Transport;
 use radiosity_exchange::operator::ElementExchange;
+use radiosity_exchange::specular::NotFollowed;
 use radiosity_exchange::{Elements, Enclosure, FormFactors, RowsOnDemand};
 use radiosity_operator::{Cancelled, Control};
 use radiosity_solvers::{SolveOptions, Stop};
@@ -93,6 +94,9 @@ pub enum Failure {
         /// Bytes allowed.
         limit: u64,
     },
+    /// There are mirrors or clear glass, and what was asked for cannot follow them.
+    #[error(transparent)]
+    Specular(#[from] NotFollowed),
 }
 
 impl From<Cancelled> for Failure {
@@ -196,6 +200,7 @@ pub fn solve(
     let start = Instant::now();
     let sides = enclosure.sides();
     let luminaires = lighting.luminaires(&enclosure);
+    let (whole, lighting) = (lighting, &*lighting.of_diffuse_parts(&enclosure));
     let has_luminaires = !luminaires.list.is_empty();
     let mut transport = Transport::new(enclosure, luminaires, REPLICATES, settings.seed);
     let most = settings.max_rays.div_ceil(REPLICATES as u32);
@@ -228,7 +233,7 @@ pub fn solve(
             Step::Stop(limit) => {
                 seconds.total = start.elapsed().as_secs_f64();
                 let report = Report { rounds, seconds, ..report(&task, &answer, &estimate, settings, limit) };
-                let radiosity = task.radiosity(&answer.irradiance);
+                let radiosity = task.radiosity(whole, &answer.irradiance);
                 return Ok(solution(answer, radiosity, estimate, report, Arc::new(measurement)));
             }
         }
@@ -250,6 +255,7 @@ pub fn relight(
         Source::OnDemand(rows) => return solve_on_rows(rows.clone(), lighting, settings, None, control),
     };
     let start = Instant::now();
+    let (whole, lighting) = (lighting, &*lighting.of_diffuse_parts(measurement.transport.enclosure()));
     let task = task(measurement, lighting, settings, control);
     let answer = task.answer()?;
     let estimate = estimate(&task, &answer)?;
@@ -261,7 +267,7 @@ pub fn relight(
     let total = start.elapsed().as_secs_f64();
     let seconds = Seconds { sampling: 0.0, solving: total, total };
     let report = Report { seconds, ..report(&task, &answer, &estimate, settings, limit) };
-    let radiosity = task.radiosity(&answer.irradiance);
+    let radiosity = task.radiosity(whole, &answer.irradiance);
     Ok(solution(answer, radiosity, estimate, report, measurement.clone()))
 }
 

@@ -1,5 +1,6 @@
 //! The measured exchange of an enclosure: what survives a change of lamps and paint.
 
+use radiosity_exchange::images::{self, Images};
 use radiosity_exchange::luminaires::{self, Luminaires};
 use radiosity_exchange::operator::{ElementExchange, Measured};
 use radiosity_exchange::{Elements, Enclosure, LightSample, Luminaire, Samples, Shot, shots};
@@ -17,6 +18,8 @@ pub struct Transport {
     lamp_of: Vec<Option<u32>>,
     shots: Samples<Shot>,
     lights: Samples<LightSample>,
+    /// How many mirrors images of emitting sides are followed through, and of lights without area.
+    imaged: (u32, u32),
     seed: u64,
 }
 
@@ -34,6 +37,10 @@ impl Transport {
             lamp_of,
             shots: Samples::new(sides, replicates),
             lights: Samples::new(sides, replicates),
+            imaged: {
+                let images = Images::new(&enclosure, &luminaires);
+                (images.turns_of_sides, images.turns_of_lights)
+            },
             enclosure,
             luminaires,
             seed,
@@ -42,7 +49,7 @@ impl Transport {
 
     /// Samples until every side has what is wanted, per replicate.
     pub fn refine(&mut self, rays: &[u32], lights: &[u32], control: &Control) -> Result<(), Cancelled> {
-        shots::shoot(&self.enclosure, &mut self.shots, rays, self.seed, control)?;
+        shots::shoot_beyond(&self.enclosure, &mut self.shots, rays, self.seed, self.imaged.0, control)?;
         self.luminaires.sample(&self.enclosure, &mut self.lights, lights, self.seed, control)
     }
 
@@ -76,6 +83,12 @@ impl Transport {
     /// Whether pairs with a side are measured by area.
     pub fn is_lamp(&self, side: usize) -> bool {
         self.lamp_of[side].is_some()
+    }
+
+    /// What arrives from a light without area by more mirrors than images of it are followed through, per unit of its
+    /// strength.
+    pub fn left_out(&self, luminaire: &Luminaire) -> f64 {
+        images::left_out(&self.enclosure, luminaire, self.imaged.1, self.seed)
     }
 
     /// Rows by rays.

@@ -161,7 +161,7 @@ fn truth(enclosure: &Enclosure, rows: &[usize], fields: &[(&str, Vec<f64>)]) -> 
         rows.iter().for_each(|&i| wanted[i] = 1 << 15);
         shots::shoot(enclosure, &mut samples, &wanted, 1, &Control::default()).expect("not cancelled");
         let mean = |x: &Vec<f64>, i: usize| {
-            samples.of(i).flatten().filter(|s| s.landed()).map(|s| x[s.target as usize]).sum::<f64>()
+            samples.of(i).flatten().filter(|s| s.landed()).map(|s| x[s.target() as usize]).sum::<f64>()
                 / f64::from(1 << 15)
         };
         fields.iter().map(|f| rows.iter().map(|&i| mean(&f.1, i)).collect()).collect()

@@ -3,6 +3,7 @@
 //! Every patch has a front side, whose id is the patch's; a two-sided patch also has a back side, numbered after all
 //! fronts. A side is what sends and receives. The back of a one-sided patch is opaque and black.
 
+use crate::specular::Specular;
 use glam::{DVec3, Vec3};
 use radiosity_geometry::bvh::{Bvh, BvhParams, Hit, Ray};
 use radiosity_geometry::corners::corner_weights;
@@ -52,6 +53,8 @@ pub struct Enclosure {
     margin: f64,
     /// Per patch: the factor toward the centroid that keeps a point off the edges by the margin.
     inset: Vec<f64>,
+    /// Mirrors and clear glass, if there are any.
+    specular: Option<Specular>,
 }
 
 /// Rounding of a vertex, of an origin and of their difference, each half a unit in the last place, with a factor of
@@ -94,8 +97,48 @@ impl Enclosure {
             middle,
             margin,
             inset,
+            specular: None,
             patches,
         }
+    }
+
+    /// The same patches, of which some are mirrors or let light through: parts of what meets each of them.
+    ///
+    /// # Panics
+    /// If there is not one of each per patch, or they are not parts of one whole.
+    pub fn with_specular(self, reflectance: Vec<f64>, transmittance: Vec<f64>) -> Self {
+        Self { specular: Specular::new(&self.patches, reflectance, transmittance), ..self }
+    }
+
+    /// Mirrors and clear glass, if there are any.
+    pub fn specular(&self) -> Option<&Specular> {
+        self.specular.as_ref()
+    }
+
+    /// The part of a side that is neither mirror nor pane.
+    pub fn diffuse_share(&self, side: usize) -> f64 {
+        self.specular.as_ref().map_or(1.0, |specular| specular.diffuse_share(self.patch_of(side)))
+    }
+
+    /// What of the area of a side is neither mirror nor pane, m2.
+    pub fn diffuse_area(&self, side: usize) -> f64 {
+        self.area(side) * self.diffuse_share(side)
+    }
+
+    /// The area of a side where errors of its light count: none of a perfect mirror or pane, which takes no light.
+    pub fn counted_area(&self, side: usize) -> f64 {
+        if self.diffuse_share(side) > 0.0 { self.area(side) } else { 0.0 }
+    }
+
+    /// A ball around the scene: middle and radius, metres.
+    pub fn ball(&self) -> (DVec3, f64) {
+        let (low, high) = bounds(&self.patches);
+        (self.middle, 0.5 * (high - low).length())
+    }
+
+    /// How far single precision may move a point of the scene, metres.
+    pub fn margin(&self) -> f64 {
+        self.margin
     }
 
     /// The patches.
@@ -164,6 +207,29 @@ impl Enclosure {
         on + self.inset[patch] * (self.patches.centre[patch] - on) + self.margin * self.normal(side)
     }
 
+    /// A point just before one of a surface that looks along the unit `normal` there, which need not be a patch's.
+    #[inline]
+    pub fn before(&self, on: DVec3, normal: DVec3) -> DVec3 {
+        on + self.margin * normal
+    }
+
+    /// What each corner of a side's patch counts at chart coordinates in its interpolation.
+    #[inline]
+    pub fn corner_weights(&self, side: usize, s: f64, t: f64) -> [f64; 4] {
+        corner_weights(&self.charts[self.patch_of(side)], s, t)
+    }
+
+    /// A point just off the front or the back of a patch, which need not be a side.
+    pub(crate) fn off_patch(&self, patch: usize, front: bool, on: DVec3) -> DVec3 {
+        let away = if front { self.margin } else { -self.margin };
+        on + self.inset[patch] * (self.patches.centre[patch] - on) + away * self.patches.normal[patch]
+    }
+
+    /// Where a ray starts, metres.
+    pub(crate) fn origin(&self, ray: &Ray) -> DVec3 {
+        ray.origin.as_dvec3() + self.middle
+    }
+
     /// The ray from a point along a direction, without end.
     #[inline]
     pub fn ray(&self, from: DVec3, direction: Vec3) -> Ray {
@@ -214,6 +280,12 @@ impl Enclosure {
             NO_SIDE => Landing::Back,
             side => Landing::Side(side),
         }
+    }
+
+    /// Whether a hit is of a black back, or an obstruction, that lets nothing through.
+    pub(crate) fn is_opaque_back(&self, direction: Vec3, hit: &Hit) -> bool {
+        let passes = |specular| self.meeting(specular, direction, hit).is_some_and(|m| m.passes > 0.0);
+        self.landing(direction, hit) == Landing::Back && !self.specular.as_ref().is_some_and(passes)
     }
 
     /// The patch at a point of a surface whose front looks along `normal`, and what its corners count in the

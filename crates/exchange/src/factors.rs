@@ -9,6 +9,7 @@ use crate::quadrature::PlaneRule;
 use crate::rows::Rows;
 use crate::samples::Samples;
 use crate::shots::{Shot, shoot};
+use crate::specular::NotFollowed;
 use radiosity_operator::{Cancelled, Control, Operator, Symmetric};
 use radiosity_store::StoreError;
 use std::sync::{Arc, OnceLock};
@@ -83,6 +84,9 @@ pub enum Failure {
     /// The file they were to be in.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// There are mirrors or clear glass.
+    #[error(transparent)]
+    Specular(#[from] NotFollowed),
 }
 
 /// Where form factors are to be.
@@ -197,6 +201,7 @@ pub struct NotByPairs;
 /// Measures the form factors between all sides of an enclosure.
 pub fn measure(enclosure: Arc<Enclosure>, settings: &Settings, control: &Control) -> Result<FormFactors, Failure> {
     let start = Instant::now();
+    enclosure.without_specular("form factors")?;
     settings.check_memory(enclosure.sides(), Kept::InMemory)?;
     if settings.method == Method::Hierarchical {
         return Ok(by_links(enclosure, settings, &[], control)?);
@@ -435,7 +440,7 @@ fn by_rays(enclosure: &Enclosure, rays: u32, seed: u64, control: &Control) -> Re
     shoot(enclosure, &mut shots, &vec![each; sides], seed, control)?;
     let share = 1.0 / f64::from(each * REPLICATES);
     let row = |side: usize| -> Vec<(u32, f64)> {
-        let mut found: Vec<u32> = shots.of(side).flatten().filter(|s| s.landed()).map(|s| s.target).collect();
+        let mut found: Vec<u32> = shots.of(side).flatten().filter(|s| s.landed()).map(Shot::target).collect();
         found.sort_unstable();
         found.chunk_by(|a, b| a == b).map(|run| (run[0], run.len() as f64 * share)).collect()
     };

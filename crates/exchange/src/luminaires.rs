@@ -5,11 +5,16 @@
 //! the point to the whole lamp where it is near and with the point kernel cos cos / (pi r^2) where it is far. Which
 //! lamp a sample goes to is drawn in proportion to what each would contribute unoccluded (Shirley, Wang and
 //! Zimmerman 1996, *Monte Carlo techniques for direct lighting calculations*).
+//!
+//! Where there are mirrors, images of luminaires in them are sampled as luminaires are (`images.rs`). Clear glass on the
+//! way leaves its transmittance of a sample.
 
 use crate::enclosure::Enclosure;
+use crate::images::{Image, Images};
 use crate::kernels::point_to_polygon::point_to_polygon;
 use crate::samples::Samples;
 use crate::shots::Cell;
+use crate::specular::{Mirror, Specular};
 use glam::DVec3;
 use radiosity_geometry::bvh::Ray;
 use radiosity_geometry::sampling::Sequence;
@@ -95,31 +100,107 @@ impl Luminaires {
 /// What samples luminaires from one side after another.
 pub struct Probe<'a> {
     enclosure: &'a Enclosure,
-    luminaires: &'a Luminaires,
-    shapes: Vec<Shape>,
+    /// Luminaires and their images.
+    sources: Vec<Source>,
     seed: u64,
 }
 
 impl<'a> Probe<'a> {
     /// Looks at luminaires once for all sides.
     pub fn new(enclosure: &'a Enclosure, luminaires: &'a Luminaires, seed: u64) -> Self {
-        let shapes = luminaires.list.iter().map(|l| Shape::new(enclosure, l)).collect();
-        Self { enclosure, luminaires, shapes, seed }
+        let itself = |(k, l): (usize, &Luminaire)| Source::itself(enclosure, k, l, luminaires.strength[k]);
+        let mut sources: Vec<Source> = luminaires.list.iter().enumerate().map(itself).collect();
+        if let Some(specular) = enclosure.specular() {
+            let images = Images::new(enclosure, luminaires).list;
+            sources.extend(images.into_iter().map(|image| Source::mirrored(enclosure, specular, luminaires, image)));
+        }
+        Self { enclosure, sources, seed }
     }
 
     /// Fills `items` with samples `first..` of a side, replicate after replicate; leaves them if no luminaire can
     /// reach it.
     pub fn draw(&self, scratch: &mut Scratch, side: usize, first: u32, replicates: usize, items: &mut [LightSample]) {
-        let (enclosure, luminaires, shapes) = (self.enclosure, self.luminaires, &self.shapes);
-        if enclosure.area(side) == 0.0 || !scratch.weigh(enclosure, luminaires, shapes, side) {
+        let (enclosure, sources) = (self.enclosure, &self.sources[..]);
+        if enclosure.area(side) == 0.0 || !scratch.weigh(enclosure, sources, side) {
             return;
         }
         let each = items.len() / replicates;
         for (replicate, items) in items.chunks_mut(each.max(1)).enumerate() {
             let sequence = Sequence::new(self.seed, side as u32, replicate as u32, STREAM);
-            scratch.propose(enclosure, luminaires, shapes, side, &sequence, first, items);
-            scratch.test(enclosure, items);
+            scratch.propose(enclosure, sources, side, &sequence, first, items);
+            scratch.test(enclosure, sources, items);
         }
+    }
+}
+
+/// A luminaire or an image of one.
+struct Source {
+    /// Number of the luminaire.
+    index: u32,
+    /// It, where it seems to be.
+    luminaire: Luminaire,
+    shape: Shape,
+    /// What samples are shared by.
+    strength: f64,
+    /// What of the area of a side that emits does so.
+    share: f64,
+    /// What it is seen in, in the order that light meets it; nothing of a luminaire itself.
+    mirrors: Vec<(u32, Mirror)>,
+    /// Where a light without area is, and not its image; of parallel light the direction towards it.
+    place: DVec3,
+}
+
+impl Source {
+    fn itself(enclosure: &Enclosure, index: usize, luminaire: &Luminaire, strength: f64) -> Self {
+        let share = match *luminaire {
+            Luminaire::Side(side) => enclosure.diffuse_share(side as usize),
+            _ => 1.0,
+        };
+        let shape = Shape::new(enclosure, luminaire);
+        let place = match *luminaire {
+            Luminaire::Directional { direction } => -direction,
+            _ => shape.centre,
+        };
+        Self { index: index as u32, luminaire: *luminaire, shape, strength, share, mirrors: Vec::new(), place }
+    }
+
+    fn mirrored(enclosure: &Enclosure, specular: &Specular, luminaires: &Luminaires, image: Image) -> Self {
+        let index = image.luminaire as usize;
+        let strength = luminaires.strength[index] * image.reflectance;
+        let itself = Self::itself(enclosure, index, &luminaires.list[index], strength);
+        let luminaire = image.seeming(specular, &itself.luminaire);
+        let shape = match luminaire {
+            Luminaire::Side(_) => Shape::of_image(image.corners(), itself.shape.area),
+            _ => Shape::new(enclosure, &luminaire),
+        };
+        let mirrors = image.mirrors.iter().map(|&m| (m, specular.mirrors()[m as usize])).collect();
+        Self { luminaire, shape, mirrors, ..itself }
+    }
+
+    /// Whether a part of a polygon is on the side of the last mirror that reflects.
+    fn is_seen_before(&self, corners: &[DVec3]) -> bool {
+        self.mirrors.last().is_none_or(|(_, last)| corners.iter().any(|&c| last.height(c) > 0.0))
+    }
+
+    /// Where a point of the luminaire seems to be.
+    fn seeming(&self, point: DVec3) -> DVec3 {
+        self.mirrors.iter().fold(point, |p, (_, mirror)| mirror.image(p))
+    }
+
+    /// Fills in where a point of the luminaire, or the direction towards parallel light, seems to be: from the image in
+    /// all mirrors to the point itself.
+    fn aims(&self, point: DVec3, aims: &mut Vec<DVec3>) {
+        aims.clear();
+        aims.push(point);
+        for (_, mirror) in &self.mirrors {
+            let last = aims[aims.len() - 1];
+            aims.push(if self.is_parallel() { mirror.turned(last) } else { mirror.image(last) });
+        }
+        aims.reverse();
+    }
+
+    fn is_parallel(&self) -> bool {
+        matches!(self.luminaire, Luminaire::Directional { .. })
     }
 }
 
@@ -165,6 +246,18 @@ impl Shape {
         }
     }
 
+    /// The image of an emitting side.
+    fn of_image(polygon: &[DVec3], area: f64) -> Self {
+        let mut corners = [polygon[polygon.len() - 1]; 4];
+        corners[..polygon.len()].copy_from_slice(polygon);
+        let [a, b, c, d] = corners;
+        let normal = (c - a).cross(d - b).normalize_or_zero();
+        let (first, second) = ((b - a).cross(c - a).dot(normal), (c - a).cross(d - a).dot(normal));
+        let whole = first + second;
+        let centre = if whole > 0.0 { (first * (a + b + c) + second * (a + c + d)) / (3.0 * whole) } else { a };
+        Self { centre, radius: radius(polygon, centre), area, normal, corners, count: polygon.len(), side: None }
+    }
+
     fn polygon(&self) -> &[DVec3] {
         &self.corners[..self.count]
     }
@@ -174,8 +267,8 @@ fn radius(corners: &[DVec3], centre: DVec3) -> f64 {
     corners.iter().map(|c| c.distance(centre)).fold(0.0, f64::max)
 }
 
-/// The transfer from a light without area to a differential area at `x`, unoccluded.
-fn pointlike(luminaire: &Luminaire, x: DVec3, normal: DVec3) -> f64 {
+/// The transfer from a light without area to a differential area at `x`, unoccluded; zero from sides.
+pub fn pointlike(luminaire: &Luminaire, x: DVec3, normal: DVec3) -> f64 {
     match *luminaire {
         Luminaire::Side(_) => 0.0,
         Luminaire::Directional { direction } => (-direction.dot(normal)).max(0.0),
@@ -211,28 +304,44 @@ pub struct Scratch {
     rays: Vec<Ray>,
     proposals: Vec<Proposal>,
     occluded: Vec<bool>,
+    /// What is left of the light of each proposal.
+    left: Vec<f64>,
     groups: Vec<Group>,
+    aims: Vec<DVec3>,
+    mirrors: Vec<u32>,
 }
 
 /// A sample that awaits its visibility test.
 struct Proposal {
     slot: usize,
-    luminaire: usize,
+    /// Which source.
+    source: usize,
     /// How much more than average the tested point of a near lamp contributes.
     relative: f64,
+    /// The point that is lit, and the point of the luminaire, where it is and not where it seems to be; of parallel
+    /// light the direction towards it.
+    ends: [DVec3; 2],
 }
 
 /// The proposals toward one near lamp.
 #[derive(Clone, Copy, Default)]
 struct Group {
     count: f64,
-    occluded: bool,
+    /// The least and the most that is left of any.
+    left: Option<[f64; 2]>,
     relative: f64,
+}
+
+impl Group {
+    /// Whether what is on the way differs from point to point.
+    fn varies(&self) -> bool {
+        self.left.is_some_and(|[least, most]| least < most)
+    }
 }
 
 impl Scratch {
     /// Shares the samples of a side among luminaires; false if none can reach it.
-    fn weigh(&mut self, enclosure: &Enclosure, luminaires: &Luminaires, shapes: &[Shape], side: usize) -> bool {
+    fn weigh(&mut self, enclosure: &Enclosure, sources: &[Source], side: usize) -> bool {
         let patch = enclosure.patch_of(side);
         let normal = enclosure.normal(side);
         let corners = enclosure.patches().corners(patch);
@@ -243,15 +352,17 @@ impl Scratch {
         self.cumulative.clear();
         self.near.clear();
         let mut total = 0.0;
-        for ((luminaire, shape), strength) in luminaires.list.iter().zip(shapes).zip(&luminaires.strength) {
+        for source in sources {
+            let shape = &source.shape;
             let far = shape.centre.distance(centre) > FAR * (reach + shape.radius);
-            let transfer = match luminaire {
+            let transfer = match source.luminaire {
+                _ if !source.is_seen_before(corners) => 0.0,
                 Luminaire::Side(_) => {
                     lamp_importance(shape, side, patch, enclosure, normal, corners, centre, &probes, far)
                 }
-                _ => pointlike_importance(luminaire, shape, normal, &probes, reach),
+                _ => pointlike_importance(&source.luminaire, shape, normal, &probes, reach),
             };
-            total += strength * transfer;
+            total += source.strength * transfer;
             self.cumulative.push(total);
             self.near.push(!far);
         }
@@ -263,8 +374,7 @@ impl Scratch {
     fn propose(
         &mut self,
         enclosure: &Enclosure,
-        luminaires: &Luminaires,
-        shapes: &[Shape],
+        sources: &[Source],
         side: usize,
         sequence: &Sequence,
         first: u32,
@@ -273,61 +383,86 @@ impl Scratch {
         self.rays.clear();
         self.proposals.clear();
         self.groups.clear();
-        self.groups.resize(shapes.len(), Group::default());
+        self.groups.resize(sources.len(), Group::default());
         let normal = enclosure.normal(side);
         for (slot, item) in items.iter_mut().enumerate() {
             let [s, t, choice, v] = sequence.point(first + slot as u32);
-            let luminaire = self.cumulative.partition_point(|&c| c < choice).min(shapes.len() - 1);
-            let below = if luminaire == 0 { 0.0 } else { self.cumulative[luminaire - 1] };
-            let share = self.cumulative[luminaire] - below;
+            let number = self.cumulative.partition_point(|&c| c < choice).min(sources.len() - 1);
+            let below = if number == 0 { 0.0 } else { self.cumulative[number - 1] };
+            let share = self.cumulative[number] - below;
             let u = ((choice - below) / share).clamp(1e-9, 1.0 - 1e-9);
-            let (shape, x) = (&shapes[luminaire], enclosure.point_off(side, s, t));
-            let (transfer, relative, ray) = match luminaires.list[luminaire] {
+            let (source, x) = (&sources[number], enclosure.point_off(side, s, t));
+            let (shape, luminaire) = (&source.shape, &source.luminaire);
+            let (transfer, relative, ray, end) = match *luminaire {
                 Luminaire::Side(lamp) => {
-                    let y = enclosure.point_off(lamp as usize, u, v);
+                    let end = enclosure.point_off(lamp as usize, u, v);
+                    let y = source.seeming(end);
                     let kernel = point_kernel(x, normal, y, shape);
                     let in_front = (x - shape.centre).dot(shape.normal) > 0.0;
-                    let whole = if !self.near[luminaire] {
+                    let whole = if !self.near[number] {
                         kernel
                     } else if in_front {
                         point_to_polygon(x, normal, shape.polygon())
                     } else {
                         0.0
                     };
-                    (whole, if whole > 0.0 { kernel / whole } else { 0.0 }, enclosure.segment(x, y))
+                    (whole, if whole > 0.0 { kernel / whole } else { 0.0 }, enclosure.segment(x, y), end)
                 }
                 Luminaire::Directional { direction } => {
-                    (pointlike(&luminaires.list[luminaire], x, normal), 1.0, enclosure.ray(x, -direction.as_vec3()))
+                    let ray = enclosure.ray(x, -direction.as_vec3());
+                    (pointlike(luminaire, x, normal), 1.0, ray, source.place)
                 }
-                other => (pointlike(&other, x, normal), 1.0, enclosure.segment(x, shape.centre)),
+                _ => (pointlike(luminaire, x, normal), 1.0, enclosure.segment(x, shape.centre), source.place),
             };
+            let transfer = transfer * source.share;
             let weight = if transfer > 0.0 { transfer / share } else { 0.0 };
-            *item = LightSample { luminaire: luminaire as u32, weight: weight as f32, origin_cell: Cell::new(s, t) };
+            *item = LightSample { luminaire: source.index, weight: weight as f32, origin_cell: Cell::new(s, t) };
             if weight > 0.0 {
                 self.rays.push(ray);
-                self.proposals.push(Proposal { slot, luminaire, relative });
+                self.proposals.push(Proposal { slot, source: number, relative, ends: [x, end] });
             }
         }
     }
 
     /// Tests visibility. What an occluder hides of a near lamp is weighed by what the hidden points contribute.
-    fn test(&mut self, enclosure: &Enclosure, items: &mut [LightSample]) {
-        self.occluded.resize(self.rays.len(), false);
-        enclosure.bvh().occlusions(&self.rays, &mut self.occluded);
-        for (proposal, &occluded) in self.proposals.iter().zip(&self.occluded) {
-            let group = &mut self.groups[proposal.luminaire];
+    fn test(&mut self, enclosure: &Enclosure, sources: &[Source], items: &mut [LightSample]) {
+        self.look(enclosure, sources);
+        for (proposal, &left) in self.proposals.iter().zip(&self.left) {
+            let group = &mut self.groups[proposal.source];
             group.count += 1.0;
             group.relative += proposal.relative;
-            group.occluded |= occluded;
+            let [least, most] = group.left.unwrap_or([left; 2]);
+            group.left = Some([least.min(left), most.max(left)]);
         }
-        for (proposal, &occluded) in self.proposals.iter().zip(&self.occluded) {
-            let group = &self.groups[proposal.luminaire];
+        for (proposal, &left) in self.proposals.iter().zip(&self.left) {
+            let group = &self.groups[proposal.source];
             let item = &mut items[proposal.slot];
-            if occluded {
+            if left == 0.0 {
                 item.weight = 0.0;
-            } else if group.occluded && self.near[proposal.luminaire] && group.relative > 0.0 {
-                item.weight *= (proposal.relative * group.count / group.relative) as f32;
+            } else if group.varies() && self.near[proposal.source] && group.relative > 0.0 {
+                item.weight *= (left * proposal.relative * group.count / group.relative) as f32;
+            } else {
+                item.weight *= left as f32;
             }
+        }
+    }
+
+    /// Finds what is left of the light of each proposal on its way.
+    fn look(&mut self, enclosure: &Enclosure, sources: &[Source]) {
+        self.left.clear();
+        let Some(specular) = enclosure.specular() else {
+            self.occluded.resize(self.rays.len(), false);
+            enclosure.bvh().occlusions(&self.rays, &mut self.occluded);
+            self.left.extend(self.occluded.iter().map(|&occluded| if occluded { 0.0 } else { 1.0 }));
+            return;
+        };
+        for proposal in &self.proposals {
+            let source = &sources[proposal.source];
+            let [from, end] = proposal.ends;
+            source.aims(end, &mut self.aims);
+            self.mirrors.clear();
+            self.mirrors.extend(source.mirrors.iter().rev().map(|(index, _)| index));
+            self.left.push(enclosure.passage(specular, from, &self.aims, &self.mirrors, source.is_parallel()));
         }
     }
 }

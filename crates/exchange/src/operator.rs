@@ -63,7 +63,7 @@ impl Measured<'_> {
         let (mut exposed_area, mut landed) = (vec![0.0; n], vec![0.0; n]);
         for side in 0..elements.sides() {
             let range = elements.of(side);
-            let area = self.enclosure.area(side) / range.len() as f64;
+            let area = self.enclosure.diffuse_area(side) / range.len() as f64;
             let whole = census[range.clone()].iter().fold(Census::default(), |a, b| a.plus(b));
             for e in range {
                 let (buried, lands) = census[e].shares(&whole);
@@ -112,7 +112,7 @@ impl Measured<'_> {
                     let c = &mut census[elements.at(side, shot.origin_cell) - first];
                     c.shots += 1;
                     c.landed += u32::from(shot.landed());
-                    c.buried += u32::from(shot.target == Shot::BURIED);
+                    c.buried += u32::from(shot.target() == Shot::BURIED);
                 }
                 for sample in self.lights_of(side) {
                     census[elements.at(side, sample.origin_cell) - first].lights += 1;
@@ -129,7 +129,7 @@ impl Measured<'_> {
         let density: Vec<f64> = (0..elements.sides())
             .flat_map(|side| {
                 let range = elements.of(side);
-                let area = self.enclosure.area(side) / range.len() as f64;
+                let area = self.enclosure.diffuse_area(side) / range.len() as f64;
                 census[range].iter().map(move |c| if area > 0.0 { f64::from(c.shots) / area } else { 0.0 })
             })
             .collect();
@@ -151,14 +151,18 @@ impl Measured<'_> {
         side: usize,
     ) -> Vec<(u32, u32, f32)> {
         let mut pairs = Vec::new();
-        if !lamps[side] {
-            for shot in self.shots_of(side).filter(|s| s.landed() && !lamps[s.target as usize]) {
+        let area = self.enclosure.diffuse_area(side) / elements.of(side).len() as f64;
+        if area == 0.0 {
+            return pairs;
+        }
+        for shot in self.shots_of(side).filter(|s| s.landed()) {
+            let target = shot.target() as usize;
+            if shot.is_beyond_images() || !(lamps[side] || lamps[target]) {
                 let i = elements.at(side, shot.origin_cell);
-                let j = elements.at(shot.target as usize, shot.target_cell);
+                let j = elements.at(target, shot.target_cell);
                 pairs.push((i as u32, j as u32, shot_value(density, i, j)));
             }
         }
-        let area = self.enclosure.area(side) / elements.of(side).len() as f64;
         for sample in self.lights_of(side).filter(|s| s.weight > 0.0) {
             if let Luminaire::Side(lamp) = self.luminaires[sample.luminaire as usize] {
                 let i = elements.at(side, sample.origin_cell);

@@ -4,9 +4,14 @@
 //! per replicate, so a row of n rays has the error of a four-dimensional quasi-Monte Carlo rule. A ray carries the
 //! fraction 1/n of what leaves its side: the form factor to a side is the share of rays that hit it (Malley 1988).
 //! There is no singularity where patches touch.
+//!
+//! Rays that meet mirrors and clear glass go on (`specular.rs`), all of a side in step. Whether one survives is decided
+//! by further dimensions of its own sequence, so that a form factor stays the share of the rays that land.
 
 use crate::enclosure::{Enclosure, Sight};
+use crate::images::survival;
 use crate::samples::Samples;
+use crate::specular::{MOST_MEETINGS, Specular, Step};
 use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_geometry::sampling::{Sequence, cosine_hemisphere};
 use radiosity_operator::{Cancelled, Control};
@@ -14,8 +19,8 @@ use radiosity_operator::{Cancelled, Control};
 /// One ray from a side: where it started and what it found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shot {
-    /// The side it hit, or one of the codes below.
-    pub target: u32,
+    /// Where it landed, and in the first bit whether it is beyond images.
+    bits: u32,
     /// The cell of the target's chart it hit.
     pub target_cell: Cell,
     /// The cell of its own side's chart it left.
@@ -24,21 +29,45 @@ pub struct Shot {
 
 impl Shot {
     /// The ray left the scene.
-    pub const ESCAPED: u32 = u32::MAX;
+    pub const ESCAPED: u32 = !Self::BEYOND_IMAGES;
     /// The ray ended on the black back of a one-sided patch.
-    pub const BACK: u32 = u32::MAX - 1;
+    pub const BACK: u32 = Self::ESCAPED - 1;
     /// The ray's origin lies inside a solid that stands on the patch: that part of the patch sees and sends nothing.
-    pub const BURIED: u32 = u32::MAX - 2;
+    pub const BURIED: u32 = Self::ESCAPED - 2;
+    /// The ray met more mirrors and panes than are followed.
+    pub const LOST: u32 = Self::ESCAPED - 3;
+
+    const BEYOND_IMAGES: u32 = 1 << 31;
+
+    /// The side it hit, or one of the codes above.
+    #[inline]
+    pub fn target(&self) -> u32 {
+        self.bits & !Self::BEYOND_IMAGES
+    }
 
     /// Whether the ray hit a side.
+    #[inline]
     pub fn landed(&self) -> bool {
-        self.target < Self::BURIED
+        Self::is_side(self.target())
+    }
+
+    /// Whether a target is a side.
+    #[inline]
+    pub fn is_side(target: u32) -> bool {
+        target < Self::LOST
+    }
+
+    /// Whether it came by more mirrors than images of luminaires are followed through: what it sees of a luminaire is
+    /// not seen otherwise.
+    #[inline]
+    pub fn is_beyond_images(&self) -> bool {
+        self.bits & Self::BEYOND_IMAGES != 0
     }
 }
 
 impl Default for Shot {
     fn default() -> Self {
-        Self { target: Self::ESCAPED, target_cell: Cell::default(), origin_cell: Cell::default() }
+        Self { bits: Self::ESCAPED, target_cell: Cell::default(), origin_cell: Cell::default() }
     }
 }
 
@@ -73,10 +102,22 @@ pub fn shoot(
     seed: u64,
     control: &Control,
 ) -> Result<(), Cancelled> {
+    shoot_beyond(enclosure, shots, wanted, seed, 0, control)
+}
+
+/// The same, where images of luminaires are followed through so many mirrors: rays remember whether they met more.
+pub fn shoot_beyond(
+    enclosure: &Enclosure,
+    shots: &mut Samples<Shot>,
+    wanted: &[u32],
+    seed: u64,
+    imaged: u32,
+    control: &Control,
+) -> Result<(), Cancelled> {
     let replicates = shots.replicates();
     shots.draw(wanted, control, Row::default, |row, side, first, items| {
         if enclosure.area(side) > 0.0 {
-            row.shoot(enclosure, side, first, replicates, seed, items);
+            row.shoot(enclosure, side, first, replicates, seed, imaged, items);
         }
     })
 }
@@ -91,6 +132,15 @@ struct Row {
     cells: Vec<Cell>,
     keys: Vec<u8>,
     ordered: Vec<Ray>,
+    chains: Vec<Chain>,
+}
+
+/// A ray on its way by mirrors and panes.
+#[derive(Clone, Copy)]
+struct Chain {
+    slot: u32,
+    /// How many mirrors it met.
+    reflections: u32,
 }
 
 impl Row {
@@ -101,20 +151,58 @@ impl Row {
         first: u32,
         replicates: usize,
         seed: u64,
+        imaged: u32,
         out: &mut [Shot],
     ) {
         self.generate(enclosure, side, first, replicates, seed, out.len());
         self.order();
         self.hits.resize(self.ordered.len(), Hit::MISS);
         enclosure.bvh().closest_hits(&self.ordered, &mut self.hits);
+        if let Some(specular) = enclosure.specular() {
+            let keys = Keys { seed, side, first, each: (out.len() / replicates) as u32 };
+            return self.follow(enclosure, specular, &keys, imaged, out);
+        }
         for ((ray, hit), &slot) in self.ordered.iter().zip(&self.hits).zip(&self.slots) {
-            let (target, target_cell) = match enclosure.sight(ray.direction, hit) {
-                Sight::Escaped => (Shot::ESCAPED, Cell::default()),
-                Sight::Side(side, s, t) => (side, Cell::new(s, t)),
-                Sight::Back if is_buried(enclosure, side, ray) => (Shot::BURIED, Cell::default()),
-                Sight::Back => (Shot::BACK, Cell::default()),
-            };
-            out[slot as usize] = Shot { target, target_cell, origin_cell: self.cells[slot as usize] };
+            let sight = enclosure.sight(ray.direction, hit);
+            let buried = sight == Sight::Back && is_buried(enclosure, side, ray);
+            out[slot as usize] = landed(sight, buried, 0, self.cells[slot as usize]);
+        }
+    }
+
+    /// Takes rays on from mirrors and panes, all of them by one meeting at a time, until none is left.
+    fn follow(&mut self, enclosure: &Enclosure, specular: &Specular, keys: &Keys, imaged: u32, out: &mut [Shot]) {
+        self.chains.clear();
+        self.chains.extend(self.slots.iter().map(|&slot| Chain { slot, reflections: 0 }));
+        let mut met = 0;
+        while !self.chains.is_empty() {
+            let mut kept = 0;
+            for k in 0..self.chains.len() {
+                let (mut chain, ray, hit) = (self.chains[k], self.ordered[k], self.hits[k]);
+                let origin_cell = self.cells[chain.slot as usize];
+                match enclosure.step(specular, &ray, &hit, || keys.survival(chain.slot, met)) {
+                    Step::On { ray, reflected } => {
+                        chain.reflections += u32::from(reflected);
+                        (self.chains[kept], self.ordered[kept]) = (chain, ray);
+                        kept += 1;
+                    }
+                    Step::End(sight) => {
+                        let buried = sight == Sight::Back && met == 0 && is_buried(enclosure, keys.side, &ray);
+                        let beyond = if chain.reflections > imaged { Shot::BEYOND_IMAGES } else { 0 };
+                        out[chain.slot as usize] = landed(sight, buried, beyond, origin_cell);
+                    }
+                }
+            }
+            self.chains.truncate(kept);
+            self.ordered.truncate(kept);
+            met += 1;
+            if met == MOST_MEETINGS {
+                for chain in self.chains.drain(..) {
+                    let origin_cell = self.cells[chain.slot as usize];
+                    out[chain.slot as usize] = Shot { bits: Shot::LOST, target_cell: Cell::default(), origin_cell };
+                }
+            }
+            self.hits.resize(kept, Hit::MISS);
+            enclosure.bvh().closest_hits(&self.ordered, &mut self.hits);
         }
     }
 
@@ -157,6 +245,34 @@ impl Row {
     }
 }
 
+/// What a ray that ended somewhere is remembered as.
+fn landed(sight: Sight, buried: bool, beyond: u32, origin_cell: Cell) -> Shot {
+    let (target, target_cell) = match sight {
+        Sight::Escaped => (Shot::ESCAPED, Cell::default()),
+        Sight::Side(side, s, t) => (side | beyond, Cell::new(s, t)),
+        Sight::Back if buried => (Shot::BURIED, Cell::default()),
+        Sight::Back => (Shot::BACK, Cell::default()),
+    };
+    Shot { bits: target, target_cell, origin_cell }
+}
+
+/// What the rays of a side are drawn from.
+struct Keys {
+    seed: u64,
+    side: usize,
+    first: u32,
+    /// Rays per replicate.
+    each: u32,
+}
+
+impl Keys {
+    /// What decides whether a ray survives what it meets after `met` others.
+    fn survival(&self, slot: u32, met: u32) -> f64 {
+        let (replicate, index) = (slot / self.each, self.first + slot % self.each);
+        survival(&Sequence::new(self.seed, self.side as u32, replicate, STREAM), index, met)
+    }
+}
+
 /// Directions are sorted into 8 x 8 cells of equal solid-angle measure.
 const DIRECTION_LEVEL: u32 = 3;
 const DIRECTION_CELLS: usize = 1 << (2 * DIRECTION_LEVEL);
@@ -168,9 +284,12 @@ const DIRECTION_CELLS: usize = 1 << (2 * DIRECTION_LEVEL);
 pub fn is_buried(enclosure: &Enclosure, side: usize, ray: &Ray) -> bool {
     let frame = enclosure.frame(side);
     let (z, r) = (0.6, 0.8);
+    if enclosure.specular().is_some() && !enclosure.is_opaque_back(ray.direction, &enclosure.bvh().closest_hit(ray)) {
+        return false;
+    }
     [(0.0, 0.0, 1.0), (r, 0.0, z), (-0.5 * r, 0.866 * r, z), (-0.5 * r, -0.866 * r, z)].into_iter().all(|(x, y, z)| {
         let direction = (x * frame.tangent + y * frame.bitangent + z * frame.normal).as_vec3();
         let look = Ray { direction, ..*ray };
-        enclosure.sight(direction, &enclosure.bvh().closest_hit(&look)) == Sight::Back
+        enclosure.is_opaque_back(direction, &enclosure.bvh().closest_hit(&look))
     })
 }

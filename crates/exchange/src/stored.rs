@@ -177,6 +177,7 @@ pub fn measure_onto(
     control: &Control,
 ) -> Result<StoredFactors, Failure> {
     let start = Instant::now();
+    enclosure.without_specular("form factors")?;
     let identity = Identity { kind: kind(settings.method), settings: settings.named(enclosure.patches()) };
     if !path.exists() {
         // Before anything is begun.

@@ -90,7 +90,7 @@ fn nothing_escapes_a_closed_room_and_balanced_rows_are_its_exposed_area() {
     let room = enclosure(polygons, vec![false; count]);
     let shots = shoot(&room, 128);
     for side in 0..room.sides() {
-        assert!(shots.of(side).flatten().all(|s| s.target != Shot::ESCAPED && s.target != Shot::BACK));
+        assert!(shots.of(side).flatten().all(|s| s.target() != Shot::ESCAPED && s.target() != Shot::BACK));
     }
     let exchange = operator(&room, &shots, &[], &no_lights(&room), &Elements::whole(&room), Some((1e-9, 500)));
     assert!(exchange.imbalance < 1e-8, "{}", exchange.imbalance);
@@ -130,10 +130,10 @@ fn backs_of_two_sided_patches_are_sides_of_their_own() {
     assert_eq!((halves.sides(), halves.back_of(6), halves.back_of(0)), (8, Some(7), None));
     assert_eq!(halves.normal(7), -halves.normal(6));
     let shots = shoot(&halves, 256);
-    assert!(shots.of(6).flatten().all(|s| s.target != 0 && s.landed()), "the front sees no floor");
-    assert!(shots.of(7).flatten().all(|s| s.target != 1 && s.landed()), "the back sees no ceiling");
-    assert!(shots.of(0).flatten().all(|s| s.target != 6 && s.landed()), "the floor sees the back, not the front");
-    assert!(shots.of(0).flatten().any(|s| s.target == 7));
+    assert!(shots.of(6).flatten().all(|s| s.target() != 0 && s.landed()), "the front sees no floor");
+    assert!(shots.of(7).flatten().all(|s| s.target() != 1 && s.landed()), "the back sees no ceiling");
+    assert!(shots.of(0).flatten().all(|s| s.target() != 6 && s.landed()), "the floor sees the back, not the front");
+    assert!(shots.of(0).flatten().any(|s| s.target() == 7));
 }
 
 /// The mean light-sample weight of a side.
@@ -200,7 +200,7 @@ fn samples_extend_what_was_drawn_and_do_not_depend_on_threads() {
             }
             let mut all: Vec<Vec<Shot>> =
                 (0..room.sides()).map(|s| samples.of(s).flatten().copied().collect()).collect();
-            all.iter_mut().for_each(|side| side.sort_by_key(|s| (s.target, format!("{s:?}"))));
+            all.iter_mut().for_each(|side| side.sort_by_key(|s| (s.target(), format!("{s:?}"))));
             all
         })
     };

@@ -27,10 +27,23 @@ impl Sequence {
     /// Point `index`, each coordinate strictly inside (0, 1).
     #[inline]
     pub fn point(&self, index: u32) -> [f64; 4] {
+        self.further_point(index, 0)
+    }
+
+    /// Four further coordinates of point `index`, set by set; those of set 0 are [`Sequence::point`].
+    #[inline]
+    pub fn further_point(&self, index: u32, set: u32) -> [f64; 4] {
         // The generator ends at 2^16 points; a further block is a fresh scramble of it.
         let block = index / BLOCK;
         let key = if block == 0 { self.key } else { (mix(u64::from(self.key) << 32 | u64::from(block)) >> 32) as u32 };
-        sobol_burley::sample_4d(index % BLOCK, 0, key).map(|x| f64::from(x) + HALF_STEP)
+        sobol_burley::sample_4d(index % BLOCK, set, key).map(|x| f64::from(x) + HALF_STEP)
+    }
+}
+
+impl Sequence {
+    /// A number that other sequences do not share, to hash further numbers from.
+    pub fn hash(&self) -> u64 {
+        mix(u64::from(self.key))
     }
 }
 

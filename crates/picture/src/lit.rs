@@ -12,19 +12,21 @@
 //! | `_PATCH`, `_FACE` | unsigned short VEC2 | the patch's id, and its face within the surface: `x + 65536 y` |
 //!
 //! Ids are pairs because glTF allows no 32-bit integers in attributes, and floats end at 2^24. The rest is in
-//! `extras.radiosity`: of the file the bands, the surfaces and their reflectance, the report and the exposure, of each
-//! mesh the index of its surface.
+//! `extras.radiosity`: of the file the bands, the surfaces and their reflectance, the lights without area, polygons that
+//! only block, the report and the exposure, of each mesh the index of its surface.
 
+mod lights;
 mod read;
 #[cfg(test)]
 mod tests;
 mod write;
 
 use radiosity_geometry::Patches;
-use radiosity_scene::{Camera, Scene};
+use radiosity_scene::{Camera, Light, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::tone::{Exposure, luminance, rgb};
+use lights::FileLight;
 pub use read::read_lit;
 pub use write::write_lit;
 
@@ -80,6 +82,8 @@ pub struct LitModel<'a> {
     pub error: &'a [f64],
     /// Viewpoints.
     pub cameras: &'a [Camera],
+    /// Lights without area; none if unknown.
+    pub lights: Option<&'a [Light]>,
     /// The solver's report as JSON; may be empty.
     pub report_json: &'a str,
     /// What radiance is multiplied by for `COLOR_0`, see [`LitModel::automatic_exposure`].
@@ -125,6 +129,12 @@ impl LitModel<'_> {
         if let Some(s) = self.patches.surface.iter().find(|&&s| s as usize >= self.surfaces.len()) {
             return Err(format!("a patch belongs to surface {s}, but there are {}", self.surfaces.len()));
         }
+        if let Some(i) = self.patches.obstructions.iter().position(|p| p.iter().any(|corner| !corner.is_finite())) {
+            return Err(format!("obstruction {i} has a corner that is not finite"));
+        }
+        for light in self.lights.unwrap_or_default() {
+            lights::check(light, bands)?;
+        }
         if !self.exposure.is_finite() {
             return Err("the exposure is not finite".into());
         }
@@ -151,6 +161,8 @@ pub struct LitData {
     pub error: Vec<f64>,
     /// As [`LitModel::cameras`].
     pub cameras: Vec<Camera>,
+    /// As [`LitModel::lights`]; files of earlier versions do not say.
+    pub lights: Option<Vec<Light>>,
     /// As [`LitModel::report_json`].
     pub report_json: String,
     /// As [`LitModel::exposure`].
@@ -169,6 +181,7 @@ impl LitData {
             radiosity: &self.radiosity,
             error: &self.error,
             cameras: &self.cameras,
+            lights: self.lights.as_deref(),
             report_json: &self.report_json,
             exposure: self.exposure,
         }
@@ -190,6 +203,10 @@ struct FileExtras {
     bands: Vec<String>,
     surfaces: Vec<LitSurface>,
     exposure: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lights: Option<Vec<FileLight>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    obstructions: Vec<[[f64; 3]; 4]>,
     /// As it was given, to the letter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     report: Option<Box<serde_json::value::RawValue>>,

@@ -43,14 +43,39 @@ impl<'a> Smoother<'a> {
         reflectance: &[R],
         bands: usize,
     ) -> Vec<f64> {
+        let of = |patch: usize, band: usize| reflectance[self.patches.surface[patch] as usize].as_ref()[band];
+        self.corner_radiosity_by(radiosity, irradiance, of, bands)
+    }
+
+    /// The same where every patch has paint of its own: `reflectance` is `n_patches x bands`.
+    ///
+    /// # Panics
+    /// If the slices do not fit the patches.
+    pub fn corner_radiosity_of_patches(
+        &self,
+        radiosity: &[f64],
+        irradiance: &[f64],
+        reflectance: &[f64],
+        bands: usize,
+    ) -> Vec<f64> {
+        assert_eq!(reflectance.len(), irradiance.len(), "one value per patch and band");
+        self.corner_radiosity_by(radiosity, irradiance, |patch, band| reflectance[patch * bands + band], bands)
+    }
+
+    fn corner_radiosity_by(
+        &self,
+        radiosity: &[f64],
+        irradiance: &[f64],
+        reflectance: impl Fn(usize, usize) -> f64,
+        bands: usize,
+    ) -> Vec<f64> {
         assert_eq!(radiosity.len(), irradiance.len(), "one value per patch and band");
         let mut corners = self.corners.field(irradiance, bands);
         for (i, value) in corners.iter_mut().enumerate() {
             let (patch, band) = (i / bands / 4, i % bands);
-            let rho = reflectance[self.patches.surface[patch] as usize].as_ref()[band];
             let own = patch * bands + band;
             // B = E + rho H, so that what the light at the corner adds to the patch's own B is rho times its excess.
-            *value = (radiosity[own] + rho * (*value - irradiance[own])).max(0.0);
+            *value = (radiosity[own] + reflectance(patch, band) * (*value - irradiance[own])).max(0.0);
         }
         corners
     }

@@ -1,16 +1,15 @@
 //! Pictures of patches from a viewpoint.
 
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::FRAC_1_PI;
 
-use glam::{DVec3, Vec3};
 use radiosity_geometry::Patches;
-use radiosity_geometry::bvh::{Bvh, BvhParams, Hit, Ray};
-use radiosity_geometry::corners::{in_half, in_triangle};
+use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_operator::{Cancelled, Control};
 use radiosity_scene::Camera;
 use rayon::prelude::*;
 
 use crate::Image;
+use crate::view::{Frame, Visible};
 
 /// What the patches show.
 #[derive(Clone, Copy, Debug)]
@@ -137,10 +136,7 @@ impl View<'_> {
             sum.iter_mut().zip(&self.settings.background).for_each(|(sum, b)| *sum += f64::from(*b));
             return;
         }
-        if hit.triangle >= self.visible.first_black {
-            return;
-        }
-        let facet = self.visible.facets[hit.triangle as usize];
+        let Some(facet) = self.visible.facet(hit) else { return };
         let patch = facet.patch as usize;
         match self.shading {
             Shading::Patches(values) => {
@@ -157,117 +153,21 @@ impl View<'_> {
     }
 }
 
-/// One triangle of a patch.
-#[derive(Clone, Copy, Debug)]
-struct Facet {
-    patch: u32,
-    part: Part,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Part {
-    /// The patch is this triangle.
-    Whole,
-    /// Corners 0, 1 and 2 of a quad.
-    First,
-    /// Corners 0, 2 and 3 of a quad.
-    Second,
-}
-
-impl Facet {
-    /// The weights of the patch's corners where a ray met the facet.
-    fn corner_weights(&self, hit: &Hit) -> [f64; 4] {
-        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
-        match self.part {
-            Part::Whole => in_triangle(u, v),
-            Part::First => in_half(0, u, v),
-            Part::Second => in_half(1, u, v),
-        }
-    }
-}
-
-/// The facets that a viewpoint can see, and a tree to find them by.
-///
-/// Which side of a plane a viewpoint sees is known before any ray is shot, so backs need no care during traversal, and
-/// of two faces back to back at the same place the right one is seen. Coordinates are relative to the viewpoint: 32
-/// bits resolve best what is near.
-struct Visible {
-    bvh: Bvh,
-    facets: Vec<Facet>,
-    /// Facets from this one on show their black backs.
-    first_black: u32,
-}
-
-impl Visible {
-    fn new(patches: &Patches, eye: DVec3, culls_backs: bool) -> Self {
-        let (mut fronts, mut backs) = (Vec::new(), Vec::new());
-        for patch in 0..patches.len() {
-            for (part, triangle) in parts(patches, patch) {
-                let [a, b, c] = triangle.map(|p| p - eye);
-                let is_front = patches.two_sided[patch] || (b - a).cross(c - a).dot(a) < 0.0;
-                if is_front || !culls_backs {
-                    let facet = Facet { patch: patch as u32, part };
-                    let list = if is_front { &mut fronts } else { &mut backs };
-                    list.push((facet, [a.as_vec3(), b.as_vec3(), c.as_vec3()]));
-                }
-            }
-        }
-        let first_black = fronts.len() as u32;
-        // Of facets at the same distance the first is hit, so fronts come first.
-        let (facets, triangles): (Vec<_>, Vec<_>) = fronts.into_iter().chain(backs).unzip();
-        Self { bvh: Bvh::build(&triangles, &BvhParams::default()), facets, first_black }
-    }
-}
-
-/// The triangles of a patch.
-fn parts(patches: &Patches, patch: usize) -> impl Iterator<Item = (Part, [DVec3; 3])> {
-    let [a, b, c, d] = patches.polygons[patch];
-    let parts = if c == d {
-        [Some((Part::Whole, [a, b, c])), None]
-    } else {
-        [Some((Part::First, [a, b, c])), Some((Part::Second, [a, c, d]))]
-    };
-    parts.into_iter().flatten()
-}
-
-/// The plane of the picture, at distance one from the eye.
-struct Frame {
-    /// Its upper left corner.
-    corner: DVec3,
-    /// One pixel to the right.
-    right: DVec3,
-    /// One pixel down.
-    down: DVec3,
-}
-
-impl Frame {
-    fn new(camera: &Camera, width: usize, height: usize) -> Self {
-        let forward = camera.forward.normalize_or(DVec3::NEG_Z);
-        let right = forward.cross(camera.up).normalize_or(forward.any_orthonormal_vector());
-        let down = forward.cross(right);
-        let pixel = 2.0 * (0.5 * camera.vertical_fov.clamp(1e-6, PI - 1e-6)).tan() / height as f64;
-        let (right, down) = (pixel * right, pixel * down);
-        Self { corner: forward - 0.5 * (width as f64 * right + height as f64 * down), right, down }
-    }
-
-    /// The ray through a point of the picture, in pixels from its upper left corner.
-    fn ray(&self, x: f64, y: f64) -> Ray {
-        let direction = (self.corner + x * self.right + y * self.down).normalize().as_vec3();
-        Ray { origin: Vec3::ZERO, direction, t_min: 0.0, t_max: f32::INFINITY }
-    }
-}
-
 /// Evenly spread points of a pixel, the same for all pixels so that edges are clean; one is the centre.
 ///
 /// Roberts 2018, *The unreasonable effectiveness of quasirandom sequences*: multiples of the powers of the plastic
 /// number.
-fn offsets(n: usize) -> Vec<[f64; 2]> {
+pub(crate) fn offsets(n: usize) -> Vec<[f64; 2]> {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
     (0..n.max(1)).map(|i| STEPS.map(|step| (0.5 + step * i as f64).fract())).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
+    use glam::DVec3;
+
     use super::*;
     use crate::Smoother;
     use crate::test_scenes::{camera, cube, patches_of, sheet};

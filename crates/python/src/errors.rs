@@ -17,6 +17,7 @@ pub fn failure(error: Failure) -> PyErr {
     match error {
         Failure::Cancelled => pyo3::exceptions::PyKeyboardInterrupt::new_err(error.to_string()),
         Failure::Memory { .. } => ResourceError::new_err(error.to_string()),
+        Failure::Specular(_) => PyValueError::new_err(error.to_string()),
     }
 }
 
@@ -34,6 +35,7 @@ pub fn factors(error: radiosity_exchange::factors::Failure) -> PyErr {
         Failure::Cancelled => pyo3::exceptions::PyKeyboardInterrupt::new_err(error.to_string()),
         Failure::Memory { .. } => ResourceError::new_err(error.to_string()),
         Failure::Store(error) => store(error),
+        Failure::Specular(_) => PyValueError::new_err(error.to_string()),
     }
 }
 

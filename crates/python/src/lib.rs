@@ -7,6 +7,7 @@ mod convert;
 mod errors;
 mod factors;
 mod patches;
+mod paths;
 mod picture;
 mod scene;
 mod shooting;
@@ -44,6 +45,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(teaching::nusselt_share, module)?)?;
     module.add_function(wrap_pyfunction!(teaching::item_buffer, module)?)?;
     module.add_function(wrap_pyfunction!(teaching::delta_form_factors, module)?)?;
+    paths::register(module)?;
     picture::register(module)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     Ok(())

@@ -160,11 +160,34 @@ pub struct Enclosure {
 
 #[pymethods]
 impl Enclosure {
+    /// Mirror reflectance and transmittance are (n,), parts of what meets each patch.
     #[new]
-    #[pyo3(signature = (patches, threads=None))]
-    fn new(py: Python<'_>, patches: &Patches, threads: Option<usize>) -> PyResult<Self> {
+    #[pyo3(signature = (patches, threads=None, specular=None, transmittance=None))]
+    fn new(
+        py: Python<'_>,
+        patches: &Patches,
+        threads: Option<usize>,
+        specular: Option<PyReadonlyArray1<'_, f64>>,
+        transmittance: Option<PyReadonlyArray1<'_, f64>>,
+    ) -> PyResult<Self> {
         let patches = patches.inner.clone();
-        let inner = crate::watch::run(py, threads, None, |_| radiosity_exchange::Enclosure::new(patches))?;
+        let parts = |array: Option<PyReadonlyArray1<'_, f64>>| {
+            array.map_or_else(|| vec![0.0; patches.len()], |array| array.as_array().to_vec())
+        };
+        let (specular, transmittance) = (parts(specular), parts(transmittance));
+        if specular.len() != patches.len() || transmittance.len() != patches.len() {
+            return Err(PyValueError::new_err("specular and transmittance must have one entry per patch"));
+        }
+        let is_part = |(s, t): (&f64, &f64)| *s >= 0.0 && *t >= 0.0 && s + t <= 1.0 + 1e-12;
+        if let Some(patch) = specular.iter().zip(&transmittance).position(|parts| !is_part(parts)) {
+            return Err(PyValueError::new_err(format!(
+                "patch {patch}: specular {} and transmittance {} must be at least 0 and together at most 1",
+                specular[patch], transmittance[patch]
+            )));
+        }
+        let inner = crate::watch::run(py, threads, None, |_| {
+            radiosity_exchange::Enclosure::new(patches).with_specular(specular, transmittance)
+        })?;
         Ok(Self { inner: Arc::new(inner) })
     }
 

@@ -1,7 +1,7 @@
 //! Pictures and files of a solution.
 
 use crate::patches::Patches;
-use crate::scene::{CameraTuple, camera_in, camera_out};
+use crate::scene::{CameraTuple, LightTuple, camera_in, camera_out, light_in, light_out};
 use crate::{convert, errors, watch};
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
@@ -34,6 +34,7 @@ struct Lit {
     bands: Vec<String>,
     blocks: [Vec<f64>; 4],
     cameras: Vec<radiosity_scene::Camera>,
+    lights: Option<Vec<radiosity_scene::Light>>,
     report: String,
 }
 
@@ -44,6 +45,7 @@ impl Lit {
         bands: Vec<String>,
         blocks: BlocksIn<'_>,
         cameras: Vec<CameraTuple>,
+        lights: Option<Vec<LightTuple>>,
         report: String,
     ) -> PyResult<Self> {
         let (n, b) = (patches.inner.len(), bands.len());
@@ -59,7 +61,8 @@ impl Lit {
             .map(|(name, material, reflectance, two_sided)| LitSurface { name, material, reflectance, two_sided })
             .collect();
         let cameras = cameras.into_iter().map(camera_in).collect();
-        Ok(Self { patches: patches.inner.clone(), surfaces, bands, blocks, cameras, report })
+        let lights = lights.map(|lights| lights.into_iter().map(light_in).collect::<PyResult<_>>()).transpose()?;
+        Ok(Self { patches: patches.inner.clone(), surfaces, bands, blocks, cameras, lights, report })
     }
 
     fn model(&self) -> LitModel<'_> {
@@ -73,6 +76,7 @@ impl Lit {
             radiosity,
             error,
             cameras: &self.cameras,
+            lights: self.lights.as_deref(),
             report_json: &self.report,
             exposure: LitModel::automatic_exposure(&self.patches, radiosity, self.bands.len()),
         }
@@ -89,9 +93,10 @@ fn write_lit(
     bands: Vec<String>,
     blocks: BlocksIn<'_>,
     cameras: Vec<CameraTuple>,
+    lights: Option<Vec<LightTuple>>,
     report: String,
 ) -> PyResult<()> {
-    let lit = Lit::new(patches, surfaces, bands, blocks, cameras, report)?;
+    let lit = Lit::new(patches, surfaces, bands, blocks, cameras, lights, report)?;
     py.detach(|| radiosity_picture::write_lit(&path, &lit.model())).map_err(errors::file)
 }
 
@@ -105,14 +110,22 @@ fn write_vtp(
     bands: Vec<String>,
     blocks: BlocksIn<'_>,
     cameras: Vec<CameraTuple>,
+    lights: Option<Vec<LightTuple>>,
     report: String,
 ) -> PyResult<()> {
-    let lit = Lit::new(patches, surfaces, bands, blocks, cameras, report)?;
+    let lit = Lit::new(patches, surfaces, bands, blocks, cameras, lights, report)?;
     py.detach(|| radiosity_picture::write_vtp(&path, &lit.model())).map_err(errors::file)
 }
 
-type LitTuple<'py> =
-    (Patches, Vec<SurfaceTuple>, Vec<String>, [Bound<'py, PyArray2<f64>>; 4], Vec<CameraTuple>, String);
+type LitTuple<'py> = (
+    Patches,
+    Vec<SurfaceTuple>,
+    Vec<String>,
+    [Bound<'py, PyArray2<f64>>; 4],
+    Vec<CameraTuple>,
+    Option<Vec<LightTuple>>,
+    String,
+);
 
 /// Reads a lit model; `None` if the file is a glTF without a solution.
 #[pyfunction]
@@ -125,7 +138,8 @@ fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
         [lit.emission, lit.irradiance, lit.radiosity, lit.error].map(|block| convert::block_out(py, block, bands));
     let surfaces = lit.surfaces.into_iter().map(|s| (s.name, s.material, s.reflectance, s.two_sided)).collect();
     let cameras = lit.cameras.iter().map(camera_out).collect();
-    Ok(Some((lit.patches.into(), surfaces, lit.bands, blocks, cameras, lit.report_json)))
+    let lights = lit.lights.map(|lights| lights.iter().map(light_out).collect());
+    Ok(Some((lit.patches.into(), surfaces, lit.bands, blocks, cameras, lights, lit.report_json)))
 }
 
 /// Renders values on patches as a camera sees them, (height, width, bands) float32.
@@ -168,6 +182,11 @@ fn render<'py>(
         radiosity_picture::render(&patches, Shading::Smooth(&corners), bands, &camera, &settings, control)
     })?;
     let image = image.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?;
+    image_out(py, image)
+}
+
+/// (height, width, bands).
+pub fn image_out(py: Python<'_>, image: Image) -> PyResult<Bound<'_, PyArray3<f32>>> {
     let array = Array3::from_shape_vec((image.height, image.width, image.bands), image.pixels);
     Ok(array.map_err(|e| PyValueError::new_err(e.to_string()))?.into_pyarray(py))
 }
@@ -203,19 +222,23 @@ fn write_png(
     .map_err(errors::file)
 }
 
-/// Writes the mean over bands in false colours and returns the values of the first and the last colour.
+/// Writes the mean over bands in false colours and returns the values of the first and the last colour; with a legend on
+/// the right if it is given a title, of one line or more.
 #[pyfunction]
-#[pyo3(signature = (path, image, low=None, high=None))]
+#[pyo3(signature = (path, image, low=None, high=None, legend=None))]
 fn write_false_colours(
     path: PathBuf,
     image: PyReadonlyArray3<'_, f32>,
     low: Option<f64>,
     high: Option<f64>,
+    legend: Option<&str>,
 ) -> PyResult<(f64, f64)> {
     let image = image_in(&image);
     let automatic = ColourScale::automatic(&image, false);
     let scale = ColourScale { low: low.unwrap_or(automatic.low), high: high.unwrap_or(automatic.high), ..automatic };
     let picture = tone::false_colours(&image, &scale, ColourMap::default());
+    let with_legend = |title| radiosity_picture::with_legend(&picture, &scale, ColourMap::default(), title);
+    let picture = legend.map_or_else(|| picture.clone(), with_legend);
     radiosity_picture::write_png(&path, &picture).map_err(errors::file)?;
     Ok((scale.low, scale.high))
 }

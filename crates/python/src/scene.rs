@@ -16,9 +16,11 @@ pub struct Scene {
     pub inner: radiosity_scene::Scene,
 }
 
-type SurfaceOut<'py> = (String, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, String, Vec<f64>, Vec<f64>, bool);
+/// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance.
+type SurfaceOut<'py> =
+    (String, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, String, Vec<f64>, Vec<f64>, bool, f64, f64);
 type SurfaceIn<'py> =
-    (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, i64>, String, Vec<f64>, Vec<f64>, bool);
+    (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, i64>, String, Vec<f64>, Vec<f64>, bool, f64, f64);
 
 /// kind, name, position, direction, inner and outer angle, strength.
 pub type LightTuple = (String, String, [f64; 3], [f64; 3], f64, f64, Vec<f64>);
@@ -196,10 +198,14 @@ fn surface_out<'py>(py: Python<'py>, s: &Surface) -> SurfaceOut<'py> {
         m.reflectance.clone(),
         m.emission.clone(),
         m.two_sided,
+        m.specular,
+        m.transmittance,
     )
 }
 
-fn surface_in((name, vertices, faces, material, reflectance, emission, two_sided): SurfaceIn<'_>) -> PyResult<Surface> {
+fn surface_in(
+    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance): SurfaceIn<'_>,
+) -> PyResult<Surface> {
     let view = faces.as_array();
     if !(view.ncols() == 3 || view.ncols() == 4) {
         let shape = view.shape();
@@ -217,10 +223,11 @@ fn surface_in((name, vertices, faces, material, reflectance, emission, two_sided
         .map(|f| Ok([index(f, 0)?, index(f, 1)?, index(f, 2)?, index(f, 3)?]))
         .collect::<PyResult<_>>()?;
     let vertices = convert::points_in(&vertices, &format!("vertices of surface '{name}'"))?;
-    Ok(Surface { vertices, faces, material: Material { name: material, reflectance, emission, two_sided }, name })
+    let material = Material { name: material, reflectance, emission, specular, transmittance, two_sided };
+    Ok(Surface { vertices, faces, material, name })
 }
 
-fn light_out(light: &Light) -> LightTuple {
+pub fn light_out(light: &Light) -> LightTuple {
     let none = [0.0; 3];
     match light.clone() {
         Light::Point { name, position, intensity } => {
@@ -235,7 +242,7 @@ fn light_out(light: &Light) -> LightTuple {
     }
 }
 
-fn light_in((kind, name, position, direction, inner_angle, outer_angle, power): LightTuple) -> PyResult<Light> {
+pub fn light_in((kind, name, position, direction, inner_angle, outer_angle, power): LightTuple) -> PyResult<Light> {
     let (position, direction) = (convert::vec3(position), convert::vec3(direction));
     Ok(match kind.as_str() {
         "point" => Light::Point { name, position, intensity: power },

@@ -303,11 +303,35 @@ pub fn lighting_in(
         let (patch, value) = (k / bands, emission[k]);
         return Err(PyValueError::new_err(format!("patch {patch}: emission {value} is not a nonnegative number")));
     }
+    check_diffuse_parts(enclosure, &reflectance, &emission, bands)?;
     let lamps = lamps.into_iter().map(|l| lamp_in(l, bands)).collect::<PyResult<_>>()?;
     Ok(Lighting { bands, reflectance, emission, lamps })
 }
 
-fn lamp_in((kind, name, position, direction, inner, outer, strength): LightTuple, bands: usize) -> PyResult<Lamp> {
+/// Paint and light of patches that are mirrors or let light through, of which only a part is diffuse.
+fn check_diffuse_parts(
+    enclosure: &radiosity_exchange::Enclosure,
+    reflectance: &[f64],
+    emission: &[f64],
+    bands: usize,
+) -> PyResult<()> {
+    let Some(specular) = enclosure.specular() else { return Ok(()) };
+    for (k, (rho, emission)) in reflectance.iter().zip(emission).enumerate() {
+        let (patch, share) = (k / bands, specular.diffuse_share(k / bands));
+        let what = match share {
+            1.0 => continue,
+            share if *rho > 0.0 && *rho >= share => format!("reflectance {rho} must stay below {share:.6}"),
+            0.0 if *emission > 0.0 => format!("emission {emission} must be 0"),
+            _ => continue,
+        };
+        return Err(PyValueError::new_err(format!(
+            "patch {patch}: its {what}, which is what its mirror reflectance and transmittance leave of it"
+        )));
+    }
+    Ok(())
+}
+
+pub fn lamp_in((kind, name, position, direction, inner, outer, strength): LightTuple, bands: usize) -> PyResult<Lamp> {
     if strength.len() != bands || strength.iter().any(|s| !s.is_finite() || *s < 0.0) {
         return Err(PyValueError::new_err(format!("light '{name}' must have {bands} nonnegative strengths")));
     }
@@ -376,6 +400,8 @@ pub fn report_out<'py>(py: Python<'py>, r: &Report) -> PyResult<Bound<'py, PyDic
     d.set_item("emitted", r.energy.emitted.clone())?;
     d.set_item("from_lights", r.energy.from_lights.clone())?;
     d.set_item("absorbed", r.energy.absorbed.clone())?;
+    d.set_item("absorbed_by_mirrors", r.energy.absorbed_by_mirrors.clone())?;
+    d.set_item("unfollowed", r.energy.unfollowed.clone())?;
     d.set_item("escaped", r.energy.escaped.clone())?;
     d.set_item("lost_on_backs", r.energy.lost_on_backs.clone())?;
     d.set_item("imbalance", r.energy.imbalance)?;

@@ -120,6 +120,7 @@ fn optics_findings(scene: &Scene) -> Vec<Finding> {
         let before = found.len();
         spectrum_lengths(scene, surface, &mut found);
         reflectances(scene, surface, &mut found);
+        speculars(scene, surface, &mut found);
         emissions(scene, surface, &mut found);
         lamp_without_area(surface, &mut found);
         found[before..].iter_mut().for_each(|finding| finding.place.surface = Some(index as u32));
@@ -297,6 +298,43 @@ fn reflectances(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
         found.push(Finding::note("high-reflectance", named(surface), message));
     }
 }
+
+/// Mirror, glass and paint share what meets a surface. All of it may go on only from a surface that is nothing else.
+fn speculars(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
+    let material = &surface.material;
+    for (what, part) in [("specular", material.specular), ("transmittance", material.transmittance)] {
+        if !(0.0..=1.0).contains(&part) {
+            let message = format!("its {what} is {part}; it must be at least 0 and at most 1");
+            found.push(Finding::error("specular-range", named(surface), message));
+            return;
+        }
+    }
+    if !material.is_specular() {
+        return;
+    }
+    let going_on = material.specular + material.transmittance;
+    let most = material.reflectance.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    let (index, diffuse) = most.unwrap_or((0, 0.0));
+    let is_ideal = diffuse == 0.0 && going_on <= 1.0 + ROUNDING;
+    if !is_ideal && diffuse + going_on >= 1.0 {
+        let message = format!(
+            "its reflectance {diffuse}, specular {} and transmittance {} in band {} make {}; together they must stay \
+             below 1: lower them, or give reflectance 0 for an ideal mirror or pane, which may have 1",
+            material.specular,
+            material.transmittance,
+            band(scene, index),
+            diffuse + going_on
+        );
+        found.push(Finding::error("specular-sum", named(surface), message));
+    } else if material.emits() && going_on >= 1.0 - ROUNDING {
+        let message = "it emits, and all that meets it goes on: nothing of it is left to emit; lower its specular or \
+                       transmittance";
+        found.push(Finding::error("specular-lamp", named(surface), message));
+    }
+}
+
+/// What rounding may add to parts of one whole.
+const ROUNDING: f64 = 1e-12;
 
 fn emissions(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
     let spectrum = &surface.material.emission;

@@ -483,3 +483,28 @@ proptest::proptest! {
         scene.findings();
     }
 }
+
+/// The only finding of a square with such a mirror reflectance, transmittance and paint.
+fn of_parts(specular: f64, transmittance: f64, reflectance: f64, emission: f64) -> Vec<Finding> {
+    let material =
+        Material::new("paint", &[0.0, reflectance, 0.0], &[emission; 3]).with_specular(specular, transmittance);
+    let mut found = scene(vec![Surface { material, ..square() }]).findings();
+    found.retain(|finding| finding.code != "no-light");
+    found
+}
+
+#[test]
+fn mirrors_glass_and_paint_share_what_meets_them() {
+    assert_eq!(of_parts(0.3, 0.3, 0.39, 1.0), vec![]);
+    assert_eq!(of_parts(0.7, 0.3, 0.0, 0.0), vec![], "an ideal mirror and pane");
+    let found = of_parts(0.5, 0.2, 0.3, 1.0).remove(0);
+    assert_eq!((found.code, found.severity), ("specular-sum", Severity::Error));
+    assert!(
+        found.element == "surface 'square'" && found.message.contains("below 1") && found.message.contains("band G")
+    );
+    assert_eq!(of_parts(0.8, 0.3, 0.0, 0.0).remove(0).code, "specular-sum");
+    assert_eq!(of_parts(1.0, 0.0, 0.0, 1.0).remove(0).code, "specular-lamp");
+    for (specular, transmittance) in [(1.1, 0.0), (-0.1, 0.0), (0.0, f64::NAN), (0.0, 2.0)] {
+        assert_eq!(of_parts(specular, transmittance, 0.0, 1.0).remove(0).code, "specular-range");
+    }
+}

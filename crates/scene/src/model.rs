@@ -55,11 +55,13 @@ pub struct Surface {
     pub vertices: Vec<DVec3>,
     /// Triangles and planar quads, counter-clockwise seen from the front.
     pub faces: Vec<Face>,
-    /// Its diffuse optics.
+    /// Its optics.
     pub material: Material,
 }
 
-/// Diffuse reflectance and emission per band.
+/// Diffuse reflectance and emission per band, and what goes on as from a mirror or through clear glass.
+///
+/// Of what meets a surface, diffuse reflectance, specular reflectance and transmittance are parts; the rest is absorbed.
 #[derive(Clone, Debug, Default)]
 pub struct Material {
     /// Name from the file.
@@ -68,7 +70,11 @@ pub struct Material {
     pub reflectance: Vec<f64>,
     /// Radiant exitance per band, W/m2: pi times the radiance of a Lambertian surface.
     pub emission: Vec<f64>,
-    /// Whether both sides reflect and emit; otherwise the back is black and opaque.
+    /// Mirror reflectance in [0, 1], the same in all bands.
+    pub specular: f64,
+    /// The part that passes straight through a thin sheet, from either side, in [0, 1], the same in all bands.
+    pub transmittance: f64,
+    /// Whether both sides reflect and emit; otherwise the back is black, and opaque but for what passes.
     pub two_sided: bool,
 }
 
@@ -256,7 +262,17 @@ pub fn band_names(n: usize) -> Vec<String> {
 impl Material {
     /// A one-sided material.
     pub fn new(name: impl Into<String>, reflectance: &[f64], emission: &[f64]) -> Self {
-        Self { name: name.into(), reflectance: reflectance.to_vec(), emission: emission.to_vec(), two_sided: false }
+        Self { name: name.into(), reflectance: reflectance.to_vec(), emission: emission.to_vec(), ..Self::default() }
+    }
+
+    /// The same, of which parts are a mirror and clear.
+    pub fn with_specular(self, specular: f64, transmittance: f64) -> Self {
+        Self { specular, transmittance, ..self }
+    }
+
+    /// Whether any light goes on from it as from a mirror or through glass.
+    pub fn is_specular(&self) -> bool {
+        self.specular > 0.0 || self.transmittance > 0.0
     }
 
     /// The same material on both sides of its surfaces.

@@ -14,34 +14,37 @@ from radiosity.cli.options import read_triple
 from radiosity.cli.progress import Bar
 
 if TYPE_CHECKING:
-    from radiosity import Camera, Solution
+    from radiosity import Camera, PathTraced, Scene, Solution
     from radiosity.files import LitModel
     from radiosity.picture import Image
 
 SUFFIXES = (".png", ".exr")
 Quantity = Literal["radiosity", "irradiance", "emission", "error"]
-Mode = Literal["smooth", "patches"]
+Mode = Literal["smooth", "patches", "gather", "path"]
 
 
 @dataclass(frozen=True)
 class View:
-    """What to draw, and from where."""
+    """What to draw, and from where. ``accuracy`` is that of path-traced pixels."""
 
     width: int = 800
     height: int = 600
-    samples: int = 16
+    samples: int | None = None
     show: Quantity = "radiosity"
     mode: Mode = "smooth"
     camera: Camera | None = None
     threads: int | None = None
+    seed: int = 0
+    accuracy: float | None = None
 
 
 @dataclass(frozen=True)
 class Tone:
-    """How a .png shows values: exposure in stops, or a colour scale."""
+    """How a .png shows values: exposure in stops, or a colour scale with a legend."""
 
     exposure: float | Literal["auto"] = "auto"
     false_colours: bool = False
+    legend: str | None = None
 
 
 def render(lit: Solution | LitModel, view: View, *, quiet: bool) -> Image:
@@ -51,8 +54,32 @@ def render(lit: Solution | LitModel, view: View, *, quiet: bool) -> Image:
     with Bar("drawing", quiet=quiet) as bar:
         return picture.render(
             lit, view.camera, width=view.width, height=view.height, samples=view.samples, show=view.show,
-            mode=view.mode, threads=view.threads, progress=bar,
+            mode=view.mode, threads=view.threads, seed=view.seed, progress=bar,
         )  # fmt: skip
+
+
+def trace(scene: Scene | LitModel, view: View, *, quiet: bool) -> PathTraced:
+    """A path-traced picture with its errors, with a progress bar."""
+    from radiosity import path_trace
+
+    with Bar("tracing", quiet=quiet) as bar:
+        return path_trace(
+            scene, view.camera, width=view.width, height=view.height, samples=view.samples, accuracy=view.accuracy,
+            show="irradiance" if view.show == "irradiance" else "radiosity", threads=view.threads, seed=view.seed,
+            progress=bar,
+        )  # fmt: skip
+
+
+def check_shown(mode: Mode, show: Quantity) -> None:
+    """Refuse what a mode cannot show.
+
+    Raises:
+        Stop: it cannot.
+    """
+    from radiosity.picture import SHOWN_BY
+
+    if show not in SHOWN_BY[mode]:
+        raise bad_argument(f"--mode {mode} cannot show {show}: choose --show {' or '.join(SHOWN_BY[mode])}")
 
 
 def save(image: Image, bands: list[str], paths: Sequence[Path], tone: Tone) -> tuple[float, float] | None:
@@ -63,7 +90,7 @@ def save(image: Image, bands: list[str], paths: Sequence[Path], tone: Tone) -> t
     for path in paths:
         with interrupt.writing(), output.naming_file(path):
             used = picture.save_image(
-                path, image, exposure=tone.exposure, false_colours=tone.false_colours, bands=bands
+                path, image, exposure=tone.exposure, false_colours=tone.false_colours, legend=tone.legend, bands=bands
             )
             scale = used or scale
     return scale
@@ -86,15 +113,17 @@ def read_exposure(text: str) -> float | Literal["auto"]:
     return value
 
 
-def aim(lit: LitModel, camera: Camera | None, fov: float | None) -> Camera:
+def aim(model: LitModel | Scene, camera: Camera | None, fov: float | None) -> Camera:
     """The camera of :func:`choose_camera`, or the renderer's own choice with the angle of view asked for."""
     from dataclasses import replace
 
-    from radiosity.picture import default_camera
+    from radiosity.files import LitModel
+    from radiosity.picture import camera_of
 
     if camera is not None:
         return camera
-    camera = default_camera(lit)
+    polygons = model.patches.polygons if isinstance(model, LitModel) else model.patches(as_is=True).polygons
+    camera = camera_of(model.cameras, polygons)
     return camera if fov is None else replace(camera, vertical_fov=math.radians(fov))
 
 

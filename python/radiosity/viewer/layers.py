@@ -106,16 +106,21 @@ def adding_up(layers: list[LitModel], model: LitModel) -> list[LitModel]:
     """Layers scaled, patch by patch, by what iterative solvers leave, so that they are the light of the model."""
     if not layers:
         return []
-    total = np.sum([layer.irradiance for layer in layers], axis=0)
-    scale = np.divide(model.irradiance, total, out=np.ones_like(total), where=total > 0)
+    arrived = _scale([layer.irradiance for layer in layers], model.irradiance)
+    reflected = _scale([layer.radiosity - layer.emission for layer in layers], model.radiosity - model.emission)
     return [
         replace(
             layer,
-            irradiance=layer.irradiance * scale,
-            radiosity=layer.emission + (layer.radiosity - layer.emission) * scale,
+            irradiance=layer.irradiance * arrived,
+            radiosity=layer.emission + (layer.radiosity - layer.emission) * reflected,
         )
         for layer in layers
     ]
+
+
+def _scale(parts: list[Floats], whole: Floats) -> Floats:
+    total = np.sum(parts, axis=0)
+    return np.asarray(np.divide(whole, total, out=np.ones_like(total), where=total > 0))
 
 
 def _surfaces(patches: Patches, emission: Floats) -> Iterable[_Source]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 from dataclasses import asdict
-from typing import Any
 
 from radiosity.viewer.messages import Convergence, Failed, Status
 
@@ -56,8 +55,3 @@ class Mailbox:
 def written(message: Status | Convergence | Failed) -> str:
     """The JSON of a message."""
     return json.dumps(asdict(message), allow_nan=False)
-
-
-def kind_of(message: Any) -> str:
-    """The type of a message."""
-    return str(message.type)

@@ -197,6 +197,11 @@ class Failed:
     type: str = field(default="failed", init=False)
 
 
+def percent(share: float) -> str:
+    """A share for people, in two digits: 3.9 %."""
+    return f"{100 * share:.2g} %"
+
+
 HEADS = (SceneHead, LightHead)
 FROM_PAGE = (Relight, Stop)
 TO_PAGE = (Status, Convergence, Failed)

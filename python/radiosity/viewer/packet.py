@@ -47,13 +47,21 @@ def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, npt.NDArray[Any]]]:
     """
     if data[: len(MAGIC)] != MAGIC:
         raise ValueError("this is no packet: it does not begin with RADPKT01")
+    try:
+        return _unpacked(data, len(MAGIC) + 4)
+    except (struct.error, ValueError, KeyError, TypeError) as error:
+        raise ValueError("this packet is damaged") from error
+
+
+def _unpacked(data: bytes, begin: int) -> tuple[dict[str, Any], dict[str, npt.NDArray[Any]]]:
     (length,) = struct.unpack_from("<I", data, len(MAGIC))
-    begin = len(MAGIC) + 4
     said = json.loads(data[begin : begin + length])
     arrays = {
         name: np.frombuffer(data, _TYPES[a["type"]], math.prod(a["shape"]), begin + length + a["offset"]).reshape(
             a["shape"]
         )
+        if math.prod(a["shape"])
+        else np.zeros(a["shape"], _TYPES[a["type"]])
         for name, a in said["arrays"].items()
     }
     return said["head"], arrays

@@ -80,5 +80,5 @@ def _model(patches: Patches, irradiance: Floats, radiosity: Floats, report: dict
     unknown = np.full_like(irradiance, np.nan)
     return LitModel(
         patches._native, surfaces, list(scene.bands), patches.emission, irradiance, radiosity, unknown,
-        list(scene.cameras), report,
+        list(scene.cameras), None, report,
     )  # fmt: skip

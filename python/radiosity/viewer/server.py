@@ -59,8 +59,8 @@ class Server:
         self._pages = 0
         config = uvicorn.Config(
             self._app(), ws_max_size=MOST_BYTES, ws_per_message_deflate=False, limit_concurrency=MOST_CONNECTIONS,
-            lifespan="off", log_config=None, access_log=False, server_header=False, proxy_headers=False,
-            timeout_graceful_shutdown=1,
+            lifespan="off", log_config=None, log_level="error", access_log=False, server_header=False,
+            proxy_headers=False, timeout_graceful_shutdown=1,
         )  # fmt: skip
         self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._serve, name="radiosity-server", daemon=True)

@@ -16,7 +16,7 @@ from radiosity.viewer.board import LIGHT, SCENE, Board, Hear
 from radiosity.viewer.layers import lamps
 from radiosity.viewer.lit import Lit, up_axis
 from radiosity.viewer.mailbox import written
-from radiosity.viewer.messages import Failed, Relight, Status, Stop
+from radiosity.viewer.messages import Failed, Relight, Status, Stop, percent
 from radiosity.viewer.reading import Known
 from radiosity.viewer.relighting import KEEPING, Relighter
 from radiosity.viewer.settings import Settings
@@ -150,7 +150,6 @@ class Session:
         if solution is None:
             self._ready("stopped with rough light only; open the scene again to have it solved", can_relight=False)
             return
-        solving.converged(solution)
         is_same = solving.is_shown(solution) and not self._settings.is_layered
         self._finish(solution, solving.fitting(solution), LIGHT if is_same else SCENE)
 
@@ -210,8 +209,8 @@ class Session:
 
 
 def _told(report: Report) -> str:
-    error = f"estimated error {report.estimated_error:.2g}"
-    return f"ready: {error}" + ("" if report.reached else f", not {report.accuracy:.2g}: {report.limit}")
+    error = f"estimated error {percent(report.estimated_error)}"
+    return f"ready: {error}" + ("" if report.reached else f", not {percent(report.accuracy)}: {report.limit}")
 
 
 def _sentence(error: Exception) -> str:

@@ -16,11 +16,11 @@ from radiosity.solution import Solution
 from radiosity.viewer import rough
 from radiosity.viewer.board import LIGHT, SCENE, Board
 from radiosity.viewer.lit import Lit
-from radiosity.viewer.messages import Convergence, Status
+from radiosity.viewer.messages import Convergence, Status, percent
 from radiosity.viewer.settings import Settings
 
-BUDGET = 8.0
-"""Seconds after which rough light is good enough, however much is unshot."""
+BUDGET = 3.0
+"""Seconds after which rough light is good enough, however much is unshot: what is to come is shown spread evenly."""
 
 OFTEN = 0.25
 """Seconds between packets, at least; and drawing them up takes no more than a fifth of the time."""
@@ -65,6 +65,8 @@ class Solving:
                 return None
             solution = self._best
             solution.report = replace(solution.report, limited_by="observer")
+        if not self.is_shown(solution):
+            self._converged(solution)
         return solution
 
     def _shoot(self, patches: Patches) -> None:
@@ -89,7 +91,9 @@ class Solving:
         if is_enough or self._pace.is_due():
             with self._pace:
                 done = math.log(max(unshot, rough.ENOUGH)) / math.log(rough.ENOUGH)
-                self._say("shooting", max(done, seconds / BUDGET), f"shooting: {unshot:.0%} of the light is unshot")
+                self._say(
+                    "shooting", max(done, seconds / BUDGET), f"shooting: {percent(unshot)} of the light is unshot"
+                )
                 self._board.say(
                     Convergence("shooting", seconds, unshot, len(snapshot.patches), snapshot.iteration, rough.ENOUGH)
                 )
@@ -124,10 +128,10 @@ class Solving:
         self._best, self._best_lit = solution, lit
         self._climb.reached(error)
         self._say("solving", self._climb.within(0.0), self._text())
-        self.converged(solution)
+        self._converged(solution)
         return not self._is_stopped()
 
-    def converged(self, solution: Solution) -> None:
+    def _converged(self, solution: Solution) -> None:
         """A point of the plot."""
         report, wanted = solution.report, self._settings.accuracy
         self._board.say(
@@ -135,10 +139,10 @@ class Solving:
         )
 
     def _text(self) -> str:
-        wanted = f"wanted {self._settings.accuracy:.2g}"
+        wanted = percent(self._settings.accuracy)
         if self._best is None:
-            return f"solving; {wanted}"
-        return f"solving: estimated error {self._best.report.estimated_error:.2g}, {wanted}"
+            return f"solving for an error of {wanted}"
+        return f"solving: estimated error {percent(self._best.report.estimated_error)}, wanted {wanted}"
 
     def fitting(self, solution: Solution) -> Lit:
         """How a solution is shown, on the same patches as before if it is on them."""
@@ -193,9 +197,11 @@ class _Climb:
             self._at = math.log(self._first / error) / math.log(self._first / self._wanted)
 
     def within(self, share: float) -> float:
-        """With that share of the next solve done; of the only one, as long as none is."""
-        step = min(self.STEP, 1 - self._at) if self._first else 1.0
-        self._said = min(max(self._said, self._at + step * share), 1.0)
+        """With that share of what is being solved done."""
+        if not self._first:
+            # One stage after another, as the engine tells it: it may be the only solve.
+            return share
+        self._said = max(self._said, min(self._at + self.STEP * share, 1.0))
         return self._said
 
 

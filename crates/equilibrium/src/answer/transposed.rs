@@ -99,7 +99,7 @@ impl Task<'_> {
         let emitters = self.transport().luminaires().len() - self.lighting.lamps.len();
         let area = &self.measurement.exchange.exposed_area;
         for (side, worth) in worth.chunks_exact(bands).enumerate() {
-            let exposure = ratio(area[side], self.transport().enclosure().area(side));
+            let exposure = ratio(area[side], self.transport().enclosure().diffuse_area(side));
             let scale = ratio(1.0, self.light_samples(side) * exposure);
             for sample in self.transport().lights().of(side).flatten() {
                 if let Some(lamp) = (sample.luminaire as usize).checked_sub(emitters) {

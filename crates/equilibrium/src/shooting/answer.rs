@@ -185,6 +185,8 @@ impl<'a> Scaled<'a> {
             absorbed: vec![0.0; bands],
             escaped: vec![0.0; bands],
             lost_on_backs: known.buried.clone(),
+            absorbed_by_mirrors: Vec::new(),
+            unfollowed: Vec::new(),
             imbalance: 0.0,
             escape_share: 0.0,
         };
@@ -361,6 +363,8 @@ fn mean_energy(scaled: &[Scaled]) -> Energy {
         absorbed: mean(&|e| &e.absorbed),
         escaped: mean(&|e| &e.escaped),
         lost_on_backs: mean(&|e| &e.lost_on_backs),
+        absorbed_by_mirrors: Vec::new(),
+        unfollowed: Vec::new(),
         imbalance: 0.0,
         escape_share: 0.0,
     };

@@ -187,6 +187,7 @@ pub fn shoot(
     control: &Control,
 ) -> Result<ShotSolution, Failure> {
     let began = Instant::now();
+    enclosure.without_specular("shooting")?;
     let luminaires = luminaires(enclosure, lighting);
     let cells = Cells::new(enclosure);
     let needed = forecast(enclosure, lighting);

@@ -50,7 +50,7 @@ impl Check {
         // Another seed than that of rows which may be part of the same work.
         shoot(enclosure, &mut samples, &wanted, seed ^ 0x5bd1_e995_9d1d_ba3c, control)?;
         let targets =
-            sides.iter().flat_map(|&side| samples.of(side as usize).flatten().map(|shot| shot.target)).collect();
+            sides.iter().flat_map(|&side| samples.of(side as usize).flatten().map(|shot| shot.target())).collect();
         Ok(Self { sides, each: each as usize, targets })
     }
 
@@ -68,7 +68,7 @@ impl Check {
             let means: Vec<f64> = targets
                 .chunks_exact(self.each)
                 .map(|ts| {
-                    ts.iter().map(|&t| if t < Shot::BURIED { sent(t as usize) } else { 0.0 }).sum::<f64>()
+                    ts.iter().map(|&t| if Shot::is_side(t) { sent(t as usize) } else { 0.0 }).sum::<f64>()
                         / self.each as f64
                 })
                 .collect();

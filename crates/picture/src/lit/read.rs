@@ -255,8 +255,9 @@ fn collect(file: FileExtras, mut found: Vec<Found>, cameras: Vec<Camera>) -> io:
         found.iter().map(|patch| patch.face).collect(),
         found.iter().map(|patch| file.surfaces[patch.surface as usize].two_sided).collect(),
     );
+    let obstructions: Vec<_> = file.obstructions.iter().map(|polygon| polygon.map(DVec3::from_array)).collect();
     Ok(LitData {
-        patches,
+        patches: patches.with_obstructions(obstructions),
         emission: column(0),
         irradiance: column(1),
         radiosity: column(2),
@@ -264,6 +265,7 @@ fn collect(file: FileExtras, mut found: Vec<Found>, cameras: Vec<Camera>) -> io:
         surfaces: file.surfaces,
         bands: file.bands,
         cameras,
+        lights: file.lights.map(|lights| lights.into_iter().map(Into::into).collect()),
         report_json: file.report.map(|raw| raw.get().into()).unwrap_or_default(),
         exposure: file.exposure,
     })

@@ -4,7 +4,7 @@ use std::path::Path;
 use glam::DVec3;
 use proptest::prelude::*;
 use radiosity_geometry::Patches;
-use radiosity_scene::Camera;
+use radiosity_scene::{Camera, Light};
 
 use super::read::decode;
 use super::{LitData, LitModel, LitSurface, read_lit, write_lit};
@@ -21,6 +21,7 @@ fn sample(bands: usize) -> LitData {
     patches.face.extend([70_000, 1]);
     let two_sided = patches.surface.iter().map(|&s| s == 2).collect();
     let patches = Patches::new(polygons, patches.surface, patches.face, two_sided);
+    let patches = patches.with_obstructions(vec![[a, b, c, c]]);
     let n = patches.len() * bands;
     let value = |scale: f64| (0..n).map(|i| f64::from((scale * (1.0 + i as f64).sqrt()) as f32)).collect();
     let surface = |name: &str, two_sided| LitSurface {
@@ -45,9 +46,28 @@ fn sample(bands: usize) -> LitData {
             camera(DVec3::new(2.0, 1.5, 1.0), 0.6),
             Camera { aspect: Some(1.5), name: "other".into(), ..camera(DVec3::new(0.0, 0.0, 5.0), 1.0) },
         ],
+        lights: Some(lights(bands)),
         report_json: "{\"closure\": 1.0, \"z\": [1, 2], \"a\": \"ß\"}".into(),
         exposure: 0.3,
     }
+}
+
+/// One of each kind.
+fn lights(bands: usize) -> Vec<Light> {
+    let (position, direction) = (DVec3::new(0.1, 2.0, -3.0), DVec3::new(0.6, 0.0, -0.8));
+    let strength: Vec<f64> = (0..bands).map(|k| 0.1 + k as f64).collect();
+    vec![
+        Light::Point { name: "bulb".into(), position, intensity: strength.clone() },
+        Light::Spot {
+            name: "spot \"ß".into(),
+            position,
+            direction,
+            intensity: strength.clone(),
+            inner_angle: 0.1,
+            outer_angle: 0.7,
+        },
+        Light::Directional { name: "sun".into(), direction, irradiance: strength },
+    ]
 }
 
 fn assert_same(a: &LitData, b: &LitData) {
@@ -56,6 +76,8 @@ fn assert_same(a: &LitData, b: &LitData) {
     assert_eq!(a.patches.surface, b.patches.surface);
     assert_eq!(a.patches.face, b.patches.face);
     assert_eq!(a.patches.two_sided, b.patches.two_sided);
+    assert_eq!(a.patches.obstructions, b.patches.obstructions);
+    assert_eq!(format!("{:?}", a.lights), format!("{:?}", b.lights));
     assert_eq!((&a.surfaces, &a.bands), (&b.surfaces, &b.bands));
     assert_eq!((&a.emission, &a.irradiance), (&b.emission, &b.irradiance));
     assert_eq!((&a.radiosity, &a.error), (&b.radiosity, &b.error));
@@ -98,6 +120,14 @@ fn nothing_lit_is_a_model_too() {
 }
 
 #[test]
+fn files_of_before_lights_were_kept_do_not_say() {
+    let unknown = LitData { lights: None, ..sample(3) };
+    assert!(decode(&bytes_of(&unknown)).unwrap().unwrap().lights.is_none());
+    let none = LitData { lights: Some(vec![]), ..sample(3) };
+    assert_eq!(decode(&bytes_of(&none)).unwrap().unwrap().lights.map(|lights| lights.len()), Some(0));
+}
+
+#[test]
 fn colours_are_fit_for_the_screen() {
     let data = sample(3);
     let glb = gltf::binary::Glb::from_slice(&bytes_of(&data)).map(|glb| glb.json.into_owned()).unwrap();
@@ -128,7 +158,7 @@ fn lit_models_read_as_scenes_are_diffuse_and_known_for_what_they_are() {
 #[test]
 fn models_that_do_not_fit_together_are_refused() {
     type Spoil = fn(&mut LitData);
-    let spoils: [(Spoil, &str); 10] = [
+    let spoils: [(Spoil, &str); 13] = [
         (|d| d.error.truncate(4), "error has 4 values"),
         (|d| d.radiosity[7] = f64::NAN, "radiosity of patch 2 is not finite"),
         (|d| d.irradiance[0] = 1e39, "irradiance of patch 0"),
@@ -139,6 +169,18 @@ fn models_that_do_not_fit_together_are_refused() {
         (|d| d.cameras[1].vertical_fov = std::f64::consts::PI - 1e-12, "camera 'other'"),
         (|d| d.cameras[1].aspect = Some(1e300), "camera 'other'"),
         (|d| d.patches.polygons[5][1].x = f64::INFINITY, "not finite"),
+        (|d| d.patches.obstructions[0][1].y = f64::NAN, "obstruction 0 has a corner"),
+        (|d| d.lights = Some(lights(2)), "light 'bulb' has 2 strengths for 3 bands"),
+        (
+            |d| {
+                d.lights = Some(vec![Light::Directional {
+                    name: "sun".into(),
+                    direction: DVec3::X,
+                    irradiance: vec![-1.0; 3],
+                }])
+            },
+            "light 'sun'",
+        ),
     ];
     let folder = tempfile::tempdir().unwrap();
     for (spoil, message) in spoils {

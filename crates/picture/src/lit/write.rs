@@ -299,6 +299,8 @@ impl Assembly {
             bands: model.bands.to_vec(),
             surfaces: model.surfaces.to_vec(),
             exposure: model.exposure,
+            lights: model.lights.map(|lights| lights.iter().map(Into::into).collect()),
+            obstructions: model.patches.obstructions.iter().map(|polygon| polygon.map(|p| p.to_array())).collect(),
             report: report(model.report_json)?,
         })?;
         Ok((self.root, self.bin))

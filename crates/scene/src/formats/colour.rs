@@ -40,6 +40,17 @@ pub(super) fn times(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 
+/// How bright a linear colour is (Rec. 709).
+pub(super) fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// Whether the components differ by more than one level of an 8-bit image.
+pub(super) fn is_coloured(colour: [f64; 3]) -> bool {
+    let (least, most) = colour.iter().fold((f64::INFINITY, 0.0), |(l, m): (f64, f64), &c| (l.min(c), m.max(c)));
+    most - least > 1.0 / 255.0
+}
+
 /// Exitance of a Lambertian surface of the given radiance.
 pub(super) fn exitance(radiance: [f64; 3]) -> [f64; 3] {
     radiance.map(|l| PI * l)

@@ -1,4 +1,4 @@
-//! Materials: what is diffuse of them.
+//! Materials: what is diffuse of them, and of smooth ones what is a mirror or clear.
 
 use ::gltf::json;
 use ::gltf::json::material::AlphaMode;
@@ -31,9 +31,20 @@ pub(super) struct Materials<'a> {
 struct Optics {
     name: String,
     reflectance: [f64; 3],
+    /// What goes on as from a mirror.
+    mirrored: [f64; 3],
+    /// What goes on straight.
+    passed: [f64; 3],
     emission: [f64; 3],
     two_sided: bool,
 }
+
+/// The greatest roughness of mirrors and clear glass: its square, the width of the lobe (Walter et al. 2007), is then
+/// 0.01, half a degree or so, and what is seen in it is seen sharply from most of a room.
+const SMOOTH: f64 = 0.1;
+
+/// One level of an 8-bit texture is noise.
+const NOISE: f64 = 1.0 / 255.0;
 
 impl<'a> Materials<'a> {
     pub fn new(document: &'a Document<'a>, folder: &'a Folder) -> Self {
@@ -53,10 +64,39 @@ impl<'a> Materials<'a> {
             Some(index) => self.optics(index)?,
             None => self.without_material(),
         };
-        let tinted = times(optics.reflectance, primitive.colour.unwrap_or([1.0; 3]));
-        let reflectance = colour::limited(tinted, &optics.name, &mut self.roll);
-        let material = Material::new(optics.name, &reflectance, &optics.emission);
-        Ok(Material { two_sided: optics.two_sided, ..material })
+        let tint = primitive.colour.unwrap_or([1.0; 3]);
+        let reflectance = colour::limited(times(optics.reflectance, tint), &optics.name, &mut self.roll);
+        let specular = self.grey(times(optics.mirrored, tint), &optics.name);
+        let transmittance = self.grey(times(optics.passed, tint), &optics.name);
+        let material =
+            Material::new(optics.name, &reflectance, &optics.emission).with_specular(specular, transmittance);
+        Ok(self.limited(Material { two_sided: optics.two_sided, ..material }))
+    }
+
+    /// Mirrors and glass have one value for all bands.
+    fn grey(&mut self, colour: [f64; 3], name: &str) -> f64 {
+        if colour::is_coloured(colour) {
+            let message = "its mirror reflectance or transmittance is coloured, and mirrors and glass are grey here; the \
+                           luminance was taken";
+            self.roll.note("coloured-mirror", "material", name, message);
+        }
+        colour::luminance(colour).clamp(0.0, 1.0)
+    }
+
+    /// The same, with something left to absorb unless it is nothing but mirror and glass.
+    fn limited(&mut self, material: Material) -> Material {
+        let diffuse = material.reflectance.iter().copied().fold(0.0, f64::max);
+        let going_on = material.specular + material.transmittance;
+        let is_ideal = diffuse == 0.0 && !material.emits() && going_on <= 1.0;
+        if going_on == 0.0 || is_ideal || diffuse + going_on <= colour::MAX_REFLECTANCE {
+            return material;
+        }
+        let message = "what it reflects, mirrors and lets through was limited to 0.95 together; darken its base colour";
+        self.roll.note("mirror-limited", "material", &material.name, message);
+        let share = colour::MAX_REFLECTANCE / (diffuse + going_on);
+        let reflectance = material.reflectance.iter().map(|rho| share * rho).collect();
+        let (specular, transmittance) = (share * material.specular, share * material.transmittance);
+        Material { reflectance, specular, transmittance, ..material }
     }
 
     pub fn into_findings(mut self) -> Vec<Finding> {
@@ -68,7 +108,14 @@ impl<'a> Materials<'a> {
     fn without_material(&mut self) -> Optics {
         let message = "surfaces without material were given reflectance 0.5; assign one";
         self.roll.warn("no-material", "material", "none", message);
-        Optics { name: "none".into(), reflectance: [UNKNOWN_REFLECTANCE; 3], emission: [0.0; 3], two_sided: false }
+        Optics {
+            name: "none".into(),
+            reflectance: [UNKNOWN_REFLECTANCE; 3],
+            mirrored: [0.0; 3],
+            passed: [0.0; 3],
+            emission: [0.0; 3],
+            two_sided: false,
+        }
     }
 
     fn optics(&mut self, index: usize) -> Result<Optics, SceneError> {
@@ -88,36 +135,73 @@ impl<'a> Materials<'a> {
         let root = self.document.root;
         let source = &root.materials[index];
         let name = source.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {index}"));
-        self.note_transparency(source, &name);
-        let reflectance = self.reflectance(source, &name)?;
+        let [reflectance, mirrored, passed] = self.parts(source, &name)?;
         let emission = self.emission(source, &name)?;
-        Ok(Optics { name, reflectance, emission, two_sided: source.double_sided })
+        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided: source.double_sided })
     }
 
     fn fail(&self, name: &str, message: impl Into<String>) -> SceneError {
         self.document.fail(format!("material '{name}'"), message)
     }
 
-    fn note_transparency(&mut self, source: &json::Material, name: &str) {
-        let transmission = source.extensions.as_ref().and_then(|extensions| extensions.transmission.as_ref());
-        let transmits = transmission.is_some_and(|transmission| transmission.transmission_factor.0 > 0.0);
-        if transmits || source.alpha_mode != Checked::Valid(AlphaMode::Opaque) {
-            let message = "transparency is not modelled and they were read as opaque and diffuse; remove panes that \
-                           should let light through";
-            self.roll.warn("transparent-material", "material", name, message);
-        }
+    fn warn_of_transparency(&mut self, name: &str) {
+        let message = "of transparency only transmission is modelled, of roughness up to 0.1, and they were read as opaque \
+                       and diffuse; remove panes that should let light through, or give them that";
+        self.roll.warn("transparent-material", "material", name, message);
     }
 
-    fn reflectance(&mut self, source: &json::Material, name: &str) -> Result<[f64; 3], SceneError> {
+    /// What is reflected diffusely, as from a mirror, and let through.
+    fn parts(&mut self, source: &json::Material, name: &str) -> Result<[[f64; 3]; 3], SceneError> {
+        let blends = source.alpha_mode != Checked::Valid(AlphaMode::Opaque);
+        let wanted = self.transmission(source, name)?;
         let glossy = source.extensions.as_ref().and_then(|extensions| extensions.pbr_specular_glossiness.as_ref());
         if let Some(glossy) = glossy {
+            if blends || wanted > 0.0 {
+                self.warn_of_transparency(name);
+            }
             let factor = rgb(glossy.diffuse_factor.0);
-            return self.diffuse(factor, glossy.diffuse_texture.as_ref(), name);
+            return Ok([self.diffuse(factor, glossy.diffuse_texture.as_ref(), name)?, [0.0; 3], [0.0; 3]]);
         }
         let pbr = &source.pbr_metallic_roughness;
         let base = self.diffuse(rgb(pbr.base_color_factor.0), pbr.base_color_texture.as_ref(), name)?;
         let metallic = self.metallic(pbr, name)?;
-        Ok(base.map(|c| c * (1.0 - metallic)))
+        let is_smooth = (metallic > NOISE || wanted > NOISE) && self.roughness(pbr, name)? <= SMOOTH;
+        if metallic > NOISE && !is_smooth {
+            let message = "of metals rougher than 0.1 only base colour x (1 - metallic) is left; set metallic to 0, for \
+                           glTF's default is 1, or lower the roughness of mirrors";
+            self.roll.warn("metallic-material", "material", name, message);
+        }
+        if blends || (wanted > NOISE && !is_smooth) {
+            self.warn_of_transparency(name);
+        }
+        let (mirrors, passes) = if is_smooth { (metallic, wanted) } else { (0.0, 0.0) };
+        let part = |share: f64| base.map(|c| c * share);
+        Ok([part((1.0 - metallic) * (1.0 - passes)), part(mirrors), part((1.0 - metallic) * passes)])
+    }
+
+    /// The share of light that enters and passes; the texture keeps it in its red channel.
+    fn transmission(&mut self, source: &json::Material, name: &str) -> Result<f64, SceneError> {
+        let extension = source.extensions.as_ref().and_then(|extensions| extensions.transmission.as_ref());
+        let Some(extension) = extension else { return Ok(0.0) };
+        let factor = self.fraction(extension.transmission_factor.0, "transmission factor", name)?;
+        let texture = extension.transmission_texture.as_ref().filter(|_| factor > 0.0);
+        Ok(factor * texture.map_or(1.0, |info| self.mean(info, name, "transmission", 0.0).data[0]))
+    }
+
+    /// How rough it is on average; the texture keeps it in its green channel.
+    fn roughness(&mut self, pbr: &json::material::PbrMetallicRoughness, name: &str) -> Result<f64, SceneError> {
+        let factor = self.fraction(pbr.roughness_factor.0, "roughness factor", name)?;
+        let texture = pbr.metallic_roughness_texture.as_ref().filter(|_| factor > 0.0);
+        Ok(factor * texture.map_or(1.0, |info| self.mean(info, name, "roughness", 1.0).data[1]))
+    }
+
+    fn fraction(&self, factor: f32, what: &str, name: &str) -> Result<f64, SceneError> {
+        let factor = f64::from(factor);
+        if colour::is_fraction([factor; 3]) {
+            Ok(factor)
+        } else {
+            Err(self.fail(name, format!("its {what} {factor} must lie within 0 and 1; correct it")))
+        }
     }
 
     fn diffuse(
@@ -135,19 +219,9 @@ impl<'a> Materials<'a> {
 
     /// How metallic it is on average; the texture keeps it in its blue channel.
     fn metallic(&mut self, pbr: &json::material::PbrMetallicRoughness, name: &str) -> Result<f64, SceneError> {
-        let factor = f64::from(pbr.metallic_factor.0);
-        if !colour::is_fraction([factor; 3]) {
-            return Err(self.fail(name, format!("its metallic factor {factor} must lie within 0 and 1; correct it")));
-        }
+        let factor = self.fraction(pbr.metallic_factor.0, "metallic factor", name)?;
         let texture = pbr.metallic_roughness_texture.as_ref().filter(|_| factor > 0.0);
-        let metallic = factor * texture.map_or(1.0, |info| self.mean(info, name, "metalness", 0.0).data[2]);
-        // One level of an 8-bit texture is noise.
-        if metallic > 1.0 / 255.0 {
-            let message = "mirror reflection is not modelled, and of metals only base colour x (1 - metallic) is left; \
-                           set metallic to 0, for glTF's default is 1";
-            self.roll.warn("metallic-material", "material", name, message);
-        }
-        Ok(metallic)
+        Ok(factor * texture.map_or(1.0, |info| self.mean(info, name, "metalness", 0.0).data[2]))
     }
 
     /// Exitance.

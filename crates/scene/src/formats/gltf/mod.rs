@@ -4,10 +4,15 @@
 //! |---|---|
 //! | primitive of a node | one surface, named after the node or else the mesh |
 //! | base colour factor x mean of its texture x mean of COLOR_0 x (1 - metallic) | reflectance, limited to 0.95 |
+//! | base colour x metallic, where roughness is at most 0.1 | mirror reflectance: its luminance |
+//! | base colour x (1 - metallic) x transmission factor x mean of its texture, likewise | transmittance: its luminance |
 //! | emissive factor x mean of its texture x strength | radiance; exitance is pi times that |
 //! | doubleSided | two-sided |
 //! | KHR_lights_punctual | point, spot and directional lights; ranges are ignored |
 //! | perspective camera | camera |
+//!
+//! Metals and glass that are rougher are what is diffuse of them, with a finding. What a coat or glass mirrors of light
+//! by its refractive index, a few per cent, is left out.
 //!
 //! Coordinates stay as they are: y points up. The `gltf` crate parses the JSON; what the JSON promises about indices,
 //! offsets and counts is checked here before it is used, because that crate's own validation and accessors panic on

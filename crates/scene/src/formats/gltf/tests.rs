@@ -690,3 +690,54 @@ fn no_number_in_the_json_panics() {
         }
     }
 }
+
+/// The square of a material with more of it given.
+fn with_material(pbr: Value, extensions: Value) -> Glb {
+    let mut glb = Glb::square();
+    for (name, value) in pbr.as_object().unwrap() {
+        glb.json["materials"][0]["pbrMetallicRoughness"][name] = value.clone();
+    }
+    glb.json["materials"][0]["extensions"] = extensions;
+    glb
+}
+
+#[test]
+fn smooth_metals_are_mirrors() {
+    let grey = json!({"baseColorFactor": [0.8, 0.8, 0.8, 1], "metallicFactor": 0.75, "roughnessFactor": 0.1});
+    let scene = parsed(&with_material(grey, json!({})));
+    let material = &scene.surfaces[0].material;
+    assert!(close(&material.reflectance, &[0.2; 3]) && close(&[material.specular], &[0.6]), "{material:?}");
+    assert_eq!(codes(&scene), [""; 0]);
+    let rough = json!({"metallicFactor": 0.75, "roughnessFactor": 0.11});
+    let rough = parsed(&with_material(rough, json!({})));
+    assert_eq!((rough.surfaces[0].material.specular, &codes(&rough)[..]), (0.0, &["metallic-material"][..]));
+}
+
+#[test]
+fn coloured_mirrors_are_grey_and_full_ones_keep_something_to_absorb() {
+    let gold = json!({"baseColorFactor": [1, 0.75, 0.3, 1], "metallicFactor": 1, "roughnessFactor": 0});
+    let mut glb = with_material(gold, json!({}));
+    glb.json["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
+    let scene = parsed(&glb);
+    let material = &scene.surfaces[0].material;
+    assert!(close(&[material.specular], &[0.2126 + 0.75 * 0.7152 + 0.3 * 0.0722]), "{material:?}");
+    assert_eq!((&material.reflectance[..], &codes(&scene)[..]), (&[0.0; 3][..], &["coloured-mirror"][..]));
+    // A lamp that mirrors all.
+    let silver = json!({"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 1, "roughnessFactor": 0});
+    let scene = parsed(&with_material(silver.clone(), json!({})));
+    assert!(close(&[scene.surfaces[0].material.specular], &[0.95]) && codes(&scene) == ["mirror-limited"]);
+    let mut ideal = with_material(silver, json!({}));
+    ideal.json["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
+    assert_eq!(parsed(&ideal).surfaces[0].material.specular, 1.0);
+}
+
+#[test]
+fn smooth_transmission_is_clear_glass() {
+    let pane = json!({"baseColorFactor": [0.9, 0.9, 0.9, 1], "metallicFactor": 0, "roughnessFactor": 0.05});
+    let scene = parsed(&with_material(pane, json!({"KHR_materials_transmission": {"transmissionFactor": 0.8}})));
+    let material = &scene.surfaces[0].material;
+    assert!(close(&[material.transmittance], &[0.72]) && close(&material.reflectance, &[0.18; 3]), "{material:?}");
+    assert_eq!((material.specular, codes(&scene)), (0.0, vec![]));
+    let odd = with_material(json!({}), json!({"KHR_materials_transmission": {"transmissionFactor": 2}}));
+    assert!(refusal(&odd).contains("transmission factor"));
+}

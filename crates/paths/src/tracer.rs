@@ -1,0 +1,93 @@
+//! What paths need to know of a scene.
+
+use glam::DVec3;
+use radiosity_exchange::Enclosure;
+
+use crate::exitance::Exitance;
+use crate::lamps::Lamps;
+use crate::lights::{Light, Lights};
+use crate::scatter::Reflectance;
+
+/// A scene as paths see it, and how they end.
+pub struct Tracer<'a> {
+    pub(crate) enclosure: &'a Enclosure,
+    pub(crate) bands: usize,
+    pub(crate) exitance: Exitance,
+    pub(crate) lamps: Lamps,
+    pub(crate) lights: Lights,
+    /// None in a gather.
+    pub(crate) reflectance: Option<Reflectance>,
+    pub(crate) seed: u64,
+}
+
+/// Where a path begins, and what its random numbers are keyed by.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Just off a surface, or in the open.
+    pub point: DVec3,
+    /// The unit vector that the hemisphere of what arrives is about.
+    pub normal: DVec3,
+    /// Of the pixel, patch or point that the path is for.
+    pub key: u32,
+    /// Of the path among all for it in this round.
+    pub index: u32,
+}
+
+impl<'a> Tracer<'a> {
+    /// A gather: paths end where they first land and take what leaves there, which somebody has solved for.
+    ///
+    /// # Panics
+    /// If values do not fit the sides or lights the bands.
+    pub fn gather(enclosure: &'a Enclosure, bands: usize, radiosity: Exitance, lights: Vec<Light>, seed: u64) -> Self {
+        Self::new(enclosure, bands, radiosity, lights, None, seed)
+    }
+
+    /// A path tracer: paths take what sides emit, and go on until nothing is left. `reflectance` is sides x bands.
+    ///
+    /// # Panics
+    /// If values do not fit the sides or lights the bands, or a reflectance is not in [0, 1]. Of 1 a ten-millionth is
+    /// taken off: else paths need not end.
+    pub fn paths(
+        enclosure: &'a Enclosure,
+        bands: usize,
+        emission: Exitance,
+        mut reflectance: Vec<f32>,
+        lights: Vec<Light>,
+        seed: u64,
+    ) -> Self {
+        assert_eq!(reflectance.len(), enclosure.sides() * bands, "one reflectance per side and band");
+        assert!(reflectance.iter().all(|r| (0.0..=1.0).contains(r)), "reflectances lie in [0, 1]");
+        reflectance.iter_mut().for_each(|r| *r = r.min(1.0 - f32::EPSILON));
+        Self::new(enclosure, bands, emission, lights, Some(Reflectance::new(reflectance, bands)), seed)
+    }
+
+    fn new(
+        enclosure: &'a Enclosure,
+        bands: usize,
+        exitance: Exitance,
+        lights: Vec<Light>,
+        reflectance: Option<Reflectance>,
+        seed: u64,
+    ) -> Self {
+        let (count, each) = exitance.len();
+        assert_eq!(count, enclosure.sides() * each * bands, "values fit the sides and bands");
+        assert!(lights.iter().all(|light| light.strength.len() == bands), "one strength per band");
+        let lamps = Lamps::new(enclosure, &exitance, bands);
+        Self { enclosure, bands, exitance, lamps, lights: Lights::new(lights), reflectance, seed }
+    }
+
+    /// The number of bands.
+    pub fn bands(&self) -> usize {
+        self.bands
+    }
+
+    /// The patches as rays see them.
+    pub fn enclosure(&self) -> &Enclosure {
+        self.enclosure
+    }
+
+    /// What the sequences of random numbers are keyed by.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+}

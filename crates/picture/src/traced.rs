@@ -1,0 +1,391 @@
+//! Pictures by random paths from every point that is seen: the final gather, and path tracing.
+
+use std::f64::consts::FRAC_1_PI;
+
+use radiosity_geometry::Patches;
+use radiosity_geometry::bvh::{Hit, Ray};
+use radiosity_geometry::sampling::Sequence;
+use radiosity_operator::{Cancelled, Control};
+use radiosity_paths::{Effort, Means, Rounds, Start, Tracer, Walk};
+use radiosity_scene::Camera;
+use rayon::prelude::*;
+
+use crate::Image;
+use crate::render::offsets;
+use crate::view::{Frame, Visible};
+
+/// What surfaces show of what arrives: sides x bands each.
+#[derive(Clone, Copy, Debug)]
+pub enum Surfaces<'a> {
+    /// Radiance, W/(m2 sr).
+    Radiance {
+        /// Radiant exitance, W/m2.
+        emission: &'a [f32],
+        /// Diffuse reflectance.
+        reflectance: &'a [f32],
+    },
+    /// Irradiance, W/m2.
+    Irradiance,
+}
+
+/// How a traced picture is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceSettings {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Paths per pixel.
+    pub effort: Effort,
+    /// Paths that start from each point that is seen: what they find varies more than what is seen within a pixel.
+    pub paths_per_point: u32,
+    /// Whether the backs of one-sided patches let the view through; else they are black.
+    pub culls_backs: bool,
+}
+
+/// A picture and how good it is.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    /// The means.
+    pub image: Image,
+    /// Their standard errors; NaN if there was one round only.
+    pub standard_error: Image,
+    /// How it went. The error is the mean over pixels that are lit of the standard error over the value, the one root
+    /// mean square and the other mean over bands.
+    pub rounds: Rounds,
+    /// Rays traced.
+    pub rays: u64,
+}
+
+/// How many of so many samples of a pixel should start from one point in a gather: edges need some sixteen points, and
+/// what arrives needs the rest.
+pub fn paths_per_point(samples: u32) -> u32 {
+    (samples / 16).max(1)
+}
+
+/// Traces paths from what a camera sees; every tile of every round is a step of `control`.
+///
+/// The same input gives the same bytes on any number of threads.
+///
+/// # Errors
+/// If `control` is cancelled.
+///
+/// # Panics
+/// If `surfaces` do not fit the sides and bands of the tracer.
+pub fn trace(
+    tracer: &Tracer,
+    surfaces: Surfaces,
+    camera: &Camera,
+    settings: &TraceSettings,
+    control: &Control,
+) -> Result<Traced, Cancelled> {
+    let (width, height, bands) = (settings.width, settings.height, tracer.bands());
+    let patches = tracer.enclosure().patches();
+    if let Surfaces::Radiance { emission, reflectance } = surfaces {
+        let count = tracer.enclosure().sides() * bands;
+        assert_eq!((emission.len(), reflectance.len()), (count, count), "values fit the sides and bands");
+    }
+    let paths = settings.paths_per_point.clamp(1, settings.effort.per_round);
+    let points = settings.effort.per_round.div_ceil(paths);
+    let film = Film {
+        tracer,
+        surfaces,
+        patches,
+        visible: Visible::new(patches, camera.position, settings.culls_backs),
+        frame: Frame::new(camera, width, height),
+        width,
+        each: settings.effort.per_round,
+        paths,
+        offsets: if settings.effort.most == 1 { offsets(points as usize) } else { Vec::new() },
+    };
+    let mut tiles = if bands == 0 { Vec::new() } else { tiles(width, height, bands) };
+    let rounds = radiosity_paths::rounds(&settings.effort, tiles.len() as u64, control, |round| {
+        tiles.par_iter_mut().try_for_each_init(Buffers::default, |buffers, tile| {
+            control.check()?;
+            film.add_round(buffers, tile, round);
+            control.advance(1);
+            Ok(())
+        })?;
+        Ok(error(&tiles, bands))
+    })?;
+    let picture = |value: &dyn Fn(&Means) -> Vec<f32>| {
+        let mut image = Image { width, height, bands, pixels: vec![0.0; width * height * bands] };
+        tiles.iter().for_each(|tile| tile.paste(&value(&tile.means), &mut image));
+        image
+    };
+    Ok(Traced {
+        image: picture(&|means| means.mean().iter().map(|&m| m as f32).collect()),
+        standard_error: picture(&|means| means.variance().map(|v| v.sqrt() as f32).collect()),
+        rounds,
+        rays: tiles.iter().map(|tile| tile.rays).sum(),
+    })
+}
+
+/// Pixels along the edge of a tile.
+const TILE: usize = 16;
+
+/// About how many paths one thread walks at once.
+const PATHS_AT_ONCE: usize = 4096;
+
+/// The stream of the sequence that spreads rays over a pixel.
+const STREAM: u32 = 9;
+
+/// A rectangle of the picture.
+struct Tile {
+    left: usize,
+    top: usize,
+    width: usize,
+    means: Means,
+    rays: u64,
+}
+
+fn tiles(width: usize, height: usize, bands: usize) -> Vec<Tile> {
+    let corners = (0..height).step_by(TILE).flat_map(|top| (0..width).step_by(TILE).map(move |left| (left, top)));
+    corners
+        .map(|(left, top)| {
+            let (width, height) = (TILE.min(width - left), TILE.min(height - top));
+            Tile { left, top, width, means: Means::new(width * height * bands), rays: 0 }
+        })
+        .collect()
+}
+
+impl Tile {
+    /// Puts the values of its pixels in their place.
+    fn paste(&self, values: &[f32], image: &mut Image) {
+        let row_length = self.width * image.bands;
+        for (row, values) in values.chunks_exact(row_length).enumerate() {
+            let first = ((self.top + row) * image.width + self.left) * image.bands;
+            image.pixels[first..first + row_length].copy_from_slice(values);
+        }
+    }
+}
+
+/// Mean over lit pixels of the standard error over the value.
+fn error(tiles: &[Tile], bands: usize) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for tile in tiles {
+        let variance: Vec<f64> = tile.means.variance().collect();
+        for (mean, variance) in tile.means.mean().chunks_exact(bands).zip(variance.chunks_exact(bands)) {
+            let (mean, variance) =
+                (mean.iter().sum::<f64>() / bands as f64, variance.iter().sum::<f64>() / bands as f64);
+            if mean > 0.0 {
+                sum += variance.sqrt() / mean;
+                count += 1.0;
+            }
+        }
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// Everything that one picture needs.
+struct Film<'a> {
+    tracer: &'a Tracer<'a>,
+    surfaces: Surfaces<'a>,
+    patches: &'a Patches,
+    visible: Visible,
+    frame: Frame,
+    width: usize,
+    /// Paths per pixel and round.
+    each: u32,
+    /// Paths from each point that is seen.
+    paths: u32,
+    /// Where rays pass through every pixel, in [0, 1), so that edges are clean; empty if each pixel and round has rays of
+    /// its own, so that rounds are independent.
+    offsets: Vec<[f64; 2]>,
+}
+
+/// Buffers of one thread.
+#[derive(Default)]
+struct Buffers {
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    starts: Vec<Start>,
+    /// The pixel within the tile and the side that each path starts for.
+    owners: Vec<(u32, u32)>,
+    irradiance: Vec<f32>,
+    pixels: Vec<f64>,
+    walk: Walk,
+}
+
+impl Film<'_> {
+    fn add_round(&self, buffers: &mut Buffers, tile: &mut Tile, round: u32) {
+        let count = tile.means.mean().len() / self.tracer.bands();
+        buffers.pixels.clear();
+        buffers.pixels.resize(tile.means.mean().len(), 0.0);
+        let at_once = (PATHS_AT_ONCE / self.each as usize).max(1);
+        let before = buffers.walk.rays_traced;
+        for first in (0..count).step_by(at_once) {
+            let pixels = first..(first + at_once).min(count);
+            self.look(buffers, tile, pixels.clone(), round);
+            self.begin(buffers, tile, pixels);
+            buffers.irradiance.resize(buffers.starts.len() * self.tracer.bands(), 0.0);
+            buffers.walk.irradiance(self.tracer, &buffers.starts, round, &mut buffers.irradiance);
+            self.reflect(buffers);
+            tile.rays += buffers.rays.len() as u64;
+        }
+        tile.rays += buffers.walk.rays_traced - before;
+        tile.means.add(&buffers.pixels);
+    }
+
+    /// Points that are seen in a pixel and round.
+    fn points(&self) -> u32 {
+        self.each.div_ceil(self.paths)
+    }
+
+    /// The place of a pixel of a tile in the picture.
+    fn place(&self, tile: &Tile, pixel: usize) -> (usize, usize) {
+        (tile.left + pixel % tile.width, tile.top + pixel / tile.width)
+    }
+
+    fn key(&self, (x, y): (usize, usize)) -> u32 {
+        (y * self.width + x) as u32
+    }
+
+    /// Shoots the rays of some pixels.
+    fn look(&self, buffers: &mut Buffers, tile: &Tile, pixels: std::ops::Range<usize>, round: u32) {
+        buffers.rays.clear();
+        for (x, y) in pixels.map(|pixel| self.place(tile, pixel)) {
+            if !self.offsets.is_empty() {
+                buffers.rays.extend(self.offsets.iter().map(|[u, v]| self.frame.ray(x as f64 + u, y as f64 + v)));
+                continue;
+            }
+            let sequence = Sequence::new(self.tracer.seed(), self.key((x, y)), round, STREAM);
+            buffers.rays.extend((0..self.points()).map(|index| {
+                let [u, v, ..] = sequence.point(index);
+                self.frame.ray(x as f64 + u, y as f64 + v)
+            }));
+        }
+        buffers.hits.resize(buffers.rays.len(), Hit::MISS);
+        self.visible.bvh.closest_hits(&buffers.rays, &mut buffers.hits);
+    }
+
+    /// Adds what surfaces emit that were seen, and has paths start from them.
+    fn begin(&self, buffers: &mut Buffers, tile: &Tile, pixels: std::ops::Range<usize>) {
+        let (enclosure, bands, points) = (self.tracer.enclosure(), self.tracer.bands(), self.points() as usize);
+        buffers.starts.clear();
+        buffers.owners.clear();
+        for (pixel, hits) in pixels.zip(buffers.hits.chunks_exact(points)) {
+            let key = self.key(self.place(tile, pixel));
+            for (hit, point) in hits.iter().zip(0..) {
+                let Some(facet) = self.visible.facet(hit) else { continue };
+                let patch = facet.patch as usize;
+                let side = if facet.is_back { enclosure.back_of(patch).unwrap_or(patch) } else { patch };
+                if let Surfaces::Radiance { emission, reflectance } = self.surfaces {
+                    let sums = &mut buffers.pixels[pixel * bands..][..bands];
+                    let scale = FRAC_1_PI / points as f64;
+                    sums.iter_mut().zip(&emission[side * bands..]).for_each(|(sum, &e)| *sum += scale * f64::from(e));
+                    if reflectance[side * bands..][..bands].iter().all(|&rho| rho == 0.0) {
+                        continue;
+                    }
+                }
+                let start = Start {
+                    point: enclosure.off(side, facet.point(self.patches, hit)),
+                    normal: enclosure.normal(side),
+                    key,
+                    index: 0,
+                };
+                let indices = (0..self.paths).map(|path| point * self.paths + path);
+                buffers.starts.extend(indices.map(|index| Start { index, ..start }));
+                buffers.owners.extend((0..self.paths).map(|_| (pixel as u32, side as u32)));
+            }
+        }
+    }
+
+    /// Adds what is reflected of what arrives.
+    fn reflect(&self, buffers: &mut Buffers) {
+        let bands = self.tracer.bands();
+        let share = 1.0 / f64::from(self.points() * self.paths);
+        for (&(pixel, side), found) in buffers.owners.iter().zip(buffers.irradiance.chunks_exact(bands)) {
+            let sums = &mut buffers.pixels[pixel as usize * bands..][..bands];
+            match self.surfaces {
+                Surfaces::Irradiance => {
+                    sums.iter_mut().zip(found).for_each(|(sum, &h)| *sum += share * f64::from(h));
+                }
+                Surfaces::Radiance { reflectance, .. } => {
+                    let own = &reflectance[side as usize * bands..];
+                    for ((sum, &h), &rho) in sums.iter_mut().zip(found).zip(own) {
+                        *sum += share * FRAC_1_PI * f64::from(rho) * f64::from(h);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use radiosity_exchange::Enclosure;
+    use radiosity_paths::Exitance;
+
+    use super::*;
+    use crate::test_scenes::{camera, cube};
+
+    fn settings(width: usize, height: usize, effort: Effort) -> TraceSettings {
+        TraceSettings { width, height, effort, paths_per_point: 2, culls_backs: true }
+    }
+
+    /// The inside of a unit cube where all emits 1 and reflects half, so that H = 2 and B = 2 everywhere.
+    fn furnace() -> Enclosure {
+        let mut polygons = cube(2).polygons;
+        polygons.iter_mut().for_each(|p| p.reverse());
+        let n = polygons.len();
+        Enclosure::new(Patches::new(polygons, vec![0; n], vec![0; n], vec![false; n]))
+    }
+
+    #[test]
+    fn a_furnace_is_uniform_to_the_errors_it_states() {
+        let enclosure = furnace();
+        let (ones, half) = (vec![1.0; 24], vec![0.5; 24]);
+        let tracer = Tracer::paths(&enclosure, 1, Exitance::Uniform(ones.clone()), half.clone(), vec![], 1);
+        // Beyond what the picture takes in one tile, and seen from outside, through the backs.
+        let (eye, settings) = (camera(DVec3::new(0.2, 0.3, 2.0), 0.4), settings(21, 18, Effort::of_samples(256)));
+        let surfaces = Surfaces::Radiance { emission: &ones, reflectance: &half };
+        let traced = trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
+        let truth = (2.0 * FRAC_1_PI) as f32;
+        let scores: Vec<f32> = traced
+            .image
+            .pixels
+            .iter()
+            .zip(&traced.standard_error.pixels)
+            .filter(|(value, _)| **value > 0.5)
+            .map(|(value, error)| (value - truth) / error)
+            .collect();
+        assert!(scores.len() > 200, "{}", scores.len());
+        let mean_square = scores.iter().map(|z| z * z).sum::<f32>() / scores.len() as f32;
+        // Of Student's t with seven degrees of freedom it is 7 / 5.
+        assert!((1.0..1.9).contains(&mean_square), "{mean_square}");
+        assert!(traced.rounds.error < 0.03 && traced.rounds.samples == 256 && traced.rays > 21 * 18 * 256);
+        let irradiance = trace(&tracer, Surfaces::Irradiance, &eye, &settings, &Control::default()).unwrap();
+        let lit: Vec<f32> = irradiance.image.pixels.iter().copied().filter(|h| *h > 1.5).collect();
+        assert!((lit.iter().sum::<f32>() / lit.len() as f32 - 2.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_gather_of_the_answer_is_the_answer_on_any_number_of_threads() {
+        let enclosure = furnace();
+        let tracer = Tracer::gather(&enclosure, 1, Exitance::Corners(vec![2.0; 96]), vec![], 1);
+        let (emission, reflectance) = (vec![1.0; 24], vec![0.5; 24]);
+        let surfaces = Surfaces::Radiance { emission: &emission, reflectance: &reflectance };
+        let (eye, settings) = (camera(DVec3::new(0.1, 0.1, 0.4), 1.0), settings(20, 20, Effort::at_once(8)));
+        let make = || trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
+        let traced = make();
+        let truth = (2.0 * FRAC_1_PI) as f32;
+        assert!(traced.image.pixels.iter().all(|v| (v / truth - 1.0).abs() < 1e-5), "{:?}", traced.image.pixels);
+        assert!(traced.standard_error.pixels.iter().all(|e| e.is_nan()));
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        assert_eq!(one.install(make).image, traced.image);
+    }
+
+    #[test]
+    fn cancelled_and_empty_pictures() {
+        let enclosure = furnace();
+        let tracer = Tracer::gather(&enclosure, 1, Exitance::Corners(vec![2.0; 96]), vec![], 1);
+        let (eye, control) = (camera(DVec3::Z, 1.0), Control::default());
+        let empty = trace(&tracer, Surfaces::Irradiance, &eye, &settings(0, 5, Effort::at_once(4)), &control).unwrap();
+        assert!(empty.image.pixels.is_empty() && empty.rays == 0);
+        control.cancel();
+        let cancelled = trace(&tracer, Surfaces::Irradiance, &eye, &settings(5, 5, Effort::at_once(4)), &control);
+        assert_eq!(cancelled.unwrap_err(), Cancelled);
+    }
+}

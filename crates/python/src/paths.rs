@@ -1,0 +1,211 @@
+//! The final gather and path tracing.
+
+use crate::patches::{Enclosure, Patches};
+use crate::picture::image_out;
+use crate::scene::{CameraTuple, LightTuple, camera_in};
+use crate::solution::lamp_in;
+use crate::{convert, watch};
+use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::prelude::*;
+use radiosity_geometry::corners::CREASE_ANGLE;
+use radiosity_paths::{Effort, Exitance, Light, Measured, Tracer};
+use radiosity_picture::{Sheets, Smoother, Surfaces, TraceSettings, Traced};
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(gather, module)?)?;
+    module.add_function(wrap_pyfunction!(path_trace, module)?)?;
+    module.add_function(wrap_pyfunction!(path_irradiance, module)?)
+}
+
+/// Image and its standard error, (height, width, bands); samples, relative error, rays.
+type TracedOut<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray3<f32>>, u32, f64, u64);
+/// Irradiance and its standard error, (n, bands); samples, relative error, rays.
+type MeasuredOut<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, u32, f64, u64);
+
+/// What a picture shows: "radiance" or "irradiance".
+fn shown<'a>(show: &str, emission: &'a [f32], reflectance: &'a [f32]) -> PyResult<Surfaces<'a>> {
+    match show {
+        "radiance" => Ok(Surfaces::Radiance { emission, reflectance }),
+        "irradiance" => Ok(Surfaces::Irradiance),
+        _ => Err(PyValueError::new_err(format!("traced pictures show radiance or irradiance, not '{show}'"))),
+    }
+}
+
+fn lights_in(lights: Vec<LightTuple>, bands: usize) -> PyResult<Vec<Light>> {
+    let single = |lamp: radiosity_equilibrium::Lamp| Light {
+        luminaire: lamp.luminaire,
+        strength: lamp.strength.iter().map(|&s| s as f32).collect(),
+    };
+    lights.into_iter().map(|light| lamp_in(light, bands).map(single)).collect()
+}
+
+fn effort_in(samples: u32, accuracy: Option<f64>) -> PyResult<Effort> {
+    match accuracy {
+        None => Ok(Effort::of_samples(samples)),
+        Some(wanted) if wanted > 0.0 && wanted.is_finite() => Ok(Effort::of_accuracy(wanted, samples)),
+        Some(wanted) => {
+            Err(PyValueError::new_err(format!("accuracy must be a positive number such as 0.05, not {wanted}")))
+        }
+    }
+}
+
+fn reflectance_in(array: &PyReadonlyArray2<'_, f64>, n: usize, bands: usize) -> PyResult<Vec<f64>> {
+    let values = convert::block_in(array, n, bands, "reflectance")?;
+    match values.iter().position(|rho| !(0.0..=1.0).contains(rho)) {
+        Some(i) => Err(PyValueError::new_err(format!("the reflectance of patch {} is not in [0, 1]", i / bands))),
+        None => Ok(values),
+    }
+}
+
+fn traced_out(py: Python<'_>, traced: Traced) -> PyResult<TracedOut<'_>> {
+    let (image, error) = (image_out(py, traced.image)?, image_out(py, traced.standard_error)?);
+    Ok((image, error, traced.rounds.samples, traced.rounds.error, traced.rays))
+}
+
+/// Renders a solution by a final gather; blocks are (n_patches, bands). Backs of two-sided patches may be patches of
+/// their own. The standard error is NaN: samples of a pixel come as one set.
+#[pyfunction]
+#[pyo3(signature = (patches, emission, reflectance, irradiance, radiosity, lights, camera, width, height, samples, show,
+                    seed, threads=None, progress=None))]
+fn gather<'py>(
+    py: Python<'py>,
+    patches: &Patches,
+    emission: PyReadonlyArray2<'py, f64>,
+    reflectance: PyReadonlyArray2<'py, f64>,
+    irradiance: PyReadonlyArray2<'py, f64>,
+    radiosity: PyReadonlyArray2<'py, f64>,
+    lights: Vec<LightTuple>,
+    camera: CameraTuple,
+    width: usize,
+    height: usize,
+    samples: u32,
+    show: &str,
+    seed: u64,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<TracedOut<'py>> {
+    let given = patches.inner.clone();
+    let (n, bands) = (given.len(), emission.as_array().ncols());
+    let emission = convert::block_in(&emission, n, bands, "emission")?;
+    let reflectance = reflectance_in(&reflectance, n, bands)?;
+    let irradiance = convert::block_in(&irradiance, n, bands, "irradiance")?;
+    let radiosity = convert::block_in(&radiosity, n, bands, "radiosity")?;
+    let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
+    shown(show, &[], &[])?;
+    let settings = TraceSettings {
+        width,
+        height,
+        effort: Effort::at_once(samples),
+        paths_per_point: radiosity_picture::paths_per_point(samples),
+        culls_backs: true,
+    };
+    let traced = watch::run(py, threads, progress.as_ref(), |control| {
+        let sheets = Sheets::new(&given);
+        let smoother = Smoother::new(&given, CREASE_ANGLE);
+        let corners = smoother.corner_radiosity_of_patches(&radiosity, &irradiance, &reflectance, bands);
+        let exitance = Exitance::Corners(sheets.corners_of_sides(&given, &corners, bands));
+        let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
+        let enclosure = radiosity_exchange::Enclosure::new(sheets.patches);
+        let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed);
+        let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
+        radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
+    })?;
+    traced_out(py, traced.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?)
+}
+
+/// Renders patches by path tracing, without a solution; blocks are (n_patches, bands). With an accuracy, `samples` are
+/// the most.
+#[pyfunction]
+#[pyo3(signature = (patches, emission, reflectance, lights, camera, width, height, samples, accuracy, show, seed,
+                    threads=None, progress=None))]
+fn path_trace<'py>(
+    py: Python<'py>,
+    patches: &Patches,
+    emission: PyReadonlyArray2<'py, f64>,
+    reflectance: PyReadonlyArray2<'py, f64>,
+    lights: Vec<LightTuple>,
+    camera: CameraTuple,
+    width: usize,
+    height: usize,
+    samples: u32,
+    accuracy: Option<f64>,
+    show: &str,
+    seed: u64,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<TracedOut<'py>> {
+    let given = patches.inner.clone();
+    let (n, bands) = (given.len(), emission.as_array().ncols());
+    let emission = convert::block_in(&emission, n, bands, "emission")?;
+    let reflectance = reflectance_in(&reflectance, n, bands)?;
+    let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
+    let effort = effort_in(samples, accuracy)?;
+    shown(show, &[], &[])?;
+    let settings = TraceSettings { width, height, effort, paths_per_point: 1, culls_backs: true };
+    let traced = watch::run(py, threads, progress.as_ref(), |control| {
+        let sheets = Sheets::new(&given);
+        let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
+        let enclosure = radiosity_exchange::Enclosure::new(sheets.patches);
+        let exitance = Exitance::Uniform(emission.clone());
+        let tracer = Tracer::paths(&enclosure, bands, exitance, reflectance.clone(), lights, seed);
+        let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
+        radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
+    })?;
+    traced_out(py, traced.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?)
+}
+
+/// Irradiance by path tracing at points, or the means of all sides, fronts before backs; blocks are (n_patches, bands).
+#[pyfunction]
+#[pyo3(signature = (enclosure, emission, reflectance, lights, points, normals, samples, accuracy, seed, threads=None,
+                    progress=None))]
+fn path_irradiance<'py>(
+    py: Python<'py>,
+    enclosure: &Enclosure,
+    emission: PyReadonlyArray2<'py, f64>,
+    reflectance: PyReadonlyArray2<'py, f64>,
+    lights: Vec<LightTuple>,
+    points: Option<PyReadonlyArray2<'py, f64>>,
+    normals: Option<PyReadonlyArray2<'py, f64>>,
+    samples: u32,
+    accuracy: Option<f64>,
+    seed: u64,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<MeasuredOut<'py>> {
+    let enclosure = enclosure.inner.clone();
+    let (n, bands) = (enclosure.patches().len(), emission.as_array().ncols());
+    let emission = convert::block_in(&emission, n, bands, "emission")?;
+    let reflectance = reflectance_in(&reflectance, n, bands)?;
+    let lights = lights_in(lights, bands)?;
+    let effort = effort_in(samples, accuracy)?;
+    let places = match (points, normals) {
+        (None, None) => None,
+        (Some(points), Some(normals)) => {
+            Some((convert::points_in(&points, "points")?, convert::points_in(&normals, "normals")?))
+        }
+        _ => return Err(PyValueError::new_err("points and normals go together")),
+    };
+    if places.as_ref().is_some_and(|(points, normals)| points.len() != normals.len()) {
+        return Err(PyValueError::new_err("give one normal per point"));
+    }
+    let measured = watch::run(py, threads, progress.as_ref(), |control| {
+        let (emission, reflectance) =
+            (of_sides(&enclosure, &emission, bands), of_sides(&enclosure, &reflectance, bands));
+        let tracer = Tracer::paths(&enclosure, bands, Exitance::Uniform(emission), reflectance, lights, seed);
+        match &places {
+            Some((points, normals)) => radiosity_paths::at_points(&tracer, points, normals, &effort, control),
+            None => radiosity_paths::of_sides(&tracer, &effort, control),
+        }
+    })?;
+    let Measured { irradiance, standard_error, rounds, rays } =
+        measured.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?;
+    let (value, error) = (convert::block_out(py, irradiance, bands), convert::block_out(py, standard_error, bands));
+    Ok((value, error, rounds.samples, rounds.error, rays))
+}
+
+/// Values of patches as those of sides, in single precision.
+fn of_sides(enclosure: &radiosity_exchange::Enclosure, values: &[f64], bands: usize) -> Vec<f32> {
+    let own = |side| &values[enclosure.patch_of(side) * bands..][..bands];
+    (0..enclosure.sides()).flat_map(own).map(|&v| v as f32).collect()
+}

@@ -1,0 +1,70 @@
+"""Small scenes with lamps of every kind, a page to serve, and a server of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from known import square
+
+import radiosity
+from radiosity.viewer import page
+from radiosity.viewer.server import Server
+from radiosity.viewer.session import Session
+from radiosity.viewer.settings import Settings
+
+PAGE = "<!doctype html>\n<html><head><title>radiosity</title></head>\n<body>\n<p>page</p></body></html>\n"
+
+
+@pytest.fixture
+def built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A page as ``make viewer`` leaves it, where there are no sources of it."""
+    bundle = tmp_path / "bundle.html"
+    bundle.write_text(PAGE)
+    monkeypatch.setattr(page, "BUNDLE", bundle)
+    monkeypatch.setattr(page, "SOURCES", tmp_path / "no checkout")
+    return bundle
+
+
+def lamp_room() -> radiosity.Scene:
+    """Two lamps above a floor, a sheet with two sides between, and lights without area."""
+    floor = radiosity.Surface(square(4.0), [[0, 1, 2, 3]], [0.5, 0.6, 0.7], 0.0, "floor")
+    up = np.array([[0, 1, 2, 3]])
+    sheet = radiosity.Surface(square(1.0, 1.0), up, 0.4, 0.0, "sheet", two_sided=True)
+    lamps = [
+        radiosity.Surface(square(0.5, 2.0), up[:, ::-1], 0.2, [4.0, 2.0, 1.0], "warm", material="warm"),
+        radiosity.Surface(np.add(square(0.5, 2.0), [1, 0, 0]), up[:, ::-1], 0.2, [1.0, 2.0, 4.0], "cold"),
+        radiosity.Surface(np.add(square(0.5, 0.5), [1, 1, 0]), up, 0.2, 0.5, "screen", two_sided=True),
+    ]
+    lights = [
+        radiosity.PointLight([0, 1, 1.5], [3.0, 2.0, 1.0], "bulb"),
+        radiosity.DirectionalLight([0, 1, -1], 0.7, "sun"),
+    ]
+    return radiosity.Scene([floor, sheet, *lamps], lights, name="lamp room")
+
+
+@pytest.fixture(scope="session")
+def lit_room() -> radiosity.Solution:
+    """The room, on a few hundred patches."""
+    return radiosity.solve(lamp_room().patches(count=300), accuracy=0.05)
+
+
+Serve = Callable[..., Server]
+
+
+@pytest.fixture
+def serve(built: Path) -> Iterator[Serve]:
+    """Serve something until the end of the test."""
+    running: list[Server] = []
+
+    def serve(what: object, **settings: object) -> Server:
+        server = Server(Session(what, Settings(**settings)))  # type: ignore[arg-type]
+        server.__enter__()
+        running.append(server)
+        return server
+
+    yield serve
+    for server in running:
+        server.__exit__(None, None, None)
