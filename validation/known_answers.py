@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from conftest import rectangle
 from convex_room import ConvexRoom
 from exact_light import OnSurface, area_of, from_lamp, mean_over, part_behind, solid_angle
 from known_rooms import PATH_TRACED, block, lamp, mesh_of, probes_on, room
+from pieces import rectangle
 
 import radiosity
 

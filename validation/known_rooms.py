@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from conftest import rectangle
+from pieces import rectangle
 
 import radiosity
 

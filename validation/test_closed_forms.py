@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import mean_irradiance, rectangle
+from pieces import mean_irradiance, rectangle
 
 import radiosity
 

@@ -10,7 +10,7 @@ import radiosity
 
 def keyhole() -> radiosity.Scene:
     """A bright room lights a dark one through a small hole: a few patches decide everything behind it."""
-    from conftest import rectangle  # noqa: PLC0415
+    from pieces import rectangle  # noqa: PLC0415
 
     rho = 0.6
     walls = [

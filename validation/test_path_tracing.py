@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from conftest import rectangle
+from pieces import rectangle
 from scipy.ndimage import maximum_filter, minimum_filter
 from scipy.stats import t as student
 

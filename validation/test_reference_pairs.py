@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import REFERENCES
+from pieces import REFERENCES
 
 import radiosity
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import rectangle
+from pieces import rectangle
 from test_cornell import relative_rms
 
 import radiosity

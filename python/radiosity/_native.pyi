@@ -150,6 +150,15 @@ class Solution:
         progress: _Progress | None = None,
         as_field: bool = False,
     ) -> Solution: ...
+    def on_sides(
+        self,
+        reflectance: _Floats,
+        emission: _Floats,
+        lamps: list[LightTuple],
+        accuracy: float,
+        method: str,
+        threads: int | None = None,
+    ) -> _Floats | None: ...
     def gradients(
         self,
         reflectance: _Floats,

@@ -74,6 +74,22 @@ class LitModel:
             raise ValueError("the solution is on other patches than the model")
         return replace(self, **_light_of(solution, back))
 
+    def with_light(self, emission: Floats, irradiance: Floats, reflectance: Floats) -> LitModel:
+        """The same patches with other light and paint, (n, bands) each; of the error nothing new is known."""
+        n, surface = len(self.surfaces), self.patches.surface
+        count = np.maximum(np.bincount(surface, minlength=n), 1)
+        means = np.stack([np.bincount(surface, band, n) for band in reflectance.T], axis=1) / count[:, None]
+        surfaces = [
+            (name, paint, rho.tolist(), both) for (name, paint, _, both), rho in zip(self.surfaces, means, strict=True)
+        ]
+        return replace(
+            self,
+            surfaces=surfaces,
+            emission=emission,
+            irradiance=irradiance,
+            radiosity=emission + reflectance * irradiance,
+        )
+
     def _native_fields(self) -> tuple[Any, ...]:
         blocks = [np.ascontiguousarray(v) for v in (self.emission, self.irradiance, self.radiosity, self.error)]
         cameras = [c._tuple() for c in self.cameras]

@@ -63,6 +63,7 @@ class ShootingSolution(Solution):
         emission: npt.ArrayLike | None = None,
         reflectance: npt.ArrayLike | None = None,
         lights: npt.ArrayLike | None = None,
+        progress: Progress | None = None,
     ) -> ShootingSolution:
         """The equilibrium with other lamps or paint on the same geometry, shot afresh.
 
@@ -73,13 +74,14 @@ class ShootingSolution(Solution):
             emission: W/m2, broadcast to (n_patches, n_bands), or (n_surfaces, n_bands) to set whole surfaces.
             reflectance: likewise, in [0, 1).
             lights: strength of the lights without area, broadcast to (n_lights, n_bands).
+            progress: called with (done, total) some twenty times a second; what it raises ends the work.
         """
         new_emission = self.emission if emission is None else _per_patch(self.patches, emission, "emission")
         new_reflectance = (
             self.reflectance if reflectance is None else _per_patch(self.patches, reflectance, "reflectance")
         )
         options = self._options if lights is None else self._options | {"lights": _per_light(self.lights, lights)}
-        return _shoot(self.patches, new_reflectance, new_emission, **options)
+        return _shoot(self.patches, new_reflectance, new_emission, **options, progress=progress)
 
     def save_state(self, path: str | os.PathLike[str]) -> None:
         """Write what :func:`load_state` goes on from: an ``.npz`` file that appears whole or not at all.

@@ -146,6 +146,7 @@ class Solution:
         emission: npt.ArrayLike | None = None,
         reflectance: npt.ArrayLike | None = None,
         lights: npt.ArrayLike | None = None,
+        progress: Progress | None = None,
     ) -> Solution:
         """The equilibrium with other lamps or paint on the same geometry, without a new ray.
 
@@ -153,6 +154,7 @@ class Solution:
             emission: W/m2, broadcast to (n_patches, n_bands), or (n_surfaces, n_bands) to set whole surfaces.
             reflectance: likewise, in [0, 1).
             lights: strength of the lights without area, broadcast to (n_lights, n_bands).
+            progress: called with (done, total) some twenty times a second; what it raises ends the work.
 
         Lamps that were dark when the exchange was measured are found by rays only, so their light is noisier than if
         they had shone; ``error`` says how noisy. A light without area that was dark then stays dark.
@@ -164,11 +166,24 @@ class Solution:
         o = self._options if lights is None else {**self._options, "lights": _per_light(self.lights, lights)}
         native = self._native.relight(
             new_reflectance, new_emission, _lamps(self.patches.scene, o.get("lights")), o["accuracy"], o["solver"],
-            o["exact"], o["max_iterations"], o["threads"], as_field=self.report.of_field,
+            o["exact"], o["max_iterations"], o["threads"], progress, self.report.of_field,
         )  # fmt: skip
         return Solution(
             self.patches, native, new_reflectance, new_emission, o, self.report.transport, self.report.why
         )  # fmt: skip
+
+    def _irradiance_on_sides(self, emission: Floats, reflectance: Floats, lights: Floats) -> Floats | None:
+        """(n_sides, n_bands) irradiance as the exchange between whole patches has it, fronts before backs.
+
+        In a few products, for those who cannot wait; differences of these are nearly those of relights. None where
+        relighting itself takes a few products, or nothing was kept to do it with.
+        """
+        if self.report.transport != "sampled":
+            return None
+        o = self._options
+        return self._native.on_sides(  # type: ignore[no-any-return]
+            reflectance, emission, _lamps(self.patches.scene, lights), o["accuracy"], o["solver"], o["threads"]
+        )
 
     def sensitivity(self, target: Functional, *, progress: Progress | None = None) -> Sensitivity:
         """How a mean of irradiance, or another weighted sum of it, changes with every lamp and every paint.

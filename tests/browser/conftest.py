@@ -6,13 +6,12 @@ import json
 import os
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 import pytest
+from browsing import Open
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
 from radiosity.viewer.lit import Lit
@@ -25,8 +24,6 @@ FLAGS = [
     "--disable-component-update", "--disable-sync", "--ignore-gpu-blocklist",
     "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
 ]  # fmt: skip
-
-Open = Callable[..., Page]
 
 
 def found_browser() -> tuple[str, dict[str, str]]:
@@ -86,22 +83,3 @@ def open_lit(open_page: Open, tmp_path: Path) -> Open:
         return open_page(path.as_uri(), offline=True, **options)
 
     return open_
-
-
-def pixels(page: Page) -> npt.NDArray[np.uint8]:
-    """(height, width, 3) of the picture alone, as it is on the screen."""
-    said = page.evaluate(
-        """() => {
-          const { stage } = radiosity.app, gl = stage.renderer.getContext();
-          stage.draw();
-          const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight], data = new Uint8Array(4 * w * h);
-          gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, data);
-          let text = "";
-          for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
-          return { w, h, data: btoa(text) };
-        }"""
-    )
-    import base64
-
-    flat = np.frombuffer(base64.b64decode(said["data"]), np.uint8)
-    return flat.reshape(said["h"], said["w"], 4)[::-1, :, :3]

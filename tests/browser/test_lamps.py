@@ -1,7 +1,7 @@
 """Lamps are mixed in the page, with no server: light is linear."""
 
 import numpy as np
-from conftest import Open, pixels
+from browsing import Open, pixels
 from scenes import Seen, developed, two_lamps
 
 from radiosity.files import LitModel

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from conftest import Open, pixels
+from browsing import Open, pixels
 from playwright.sync_api import Page
 from scenes import cornell, lit
 

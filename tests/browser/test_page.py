@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from conftest import Open
+from browsing import Open
 from playwright.sync_api import Browser
 from scenes import lit, two_lamps
 

@@ -1,7 +1,7 @@
 """A click tells what the solution's arrays hold, and where the light comes from."""
 
 import numpy as np
-from conftest import Open, pixels
+from browsing import Open, pixels
 from scenes import Seen, lit, two_lamps
 
 

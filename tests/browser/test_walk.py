@@ -1,7 +1,7 @@
 """Walls and floors stop whoever walks."""
 
 import numpy as np
-from conftest import Open
+from browsing import Open
 from scenes import lit, two_lamps
 
 

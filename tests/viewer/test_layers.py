@@ -80,7 +80,7 @@ def test_factors_reach_what_a_lamp_is_made_of() -> None:
 
 @pytest.mark.parametrize("transport", ["sampled", "hierarchical"])
 def test_layers_add_up(transport: str) -> None:
-    from conftest import lamp_room
+    from rooms import lamp_room
 
     patches = lamp_room().patches(count=200)
     solution = radiosity.solve(patches, transport=transport, accuracy=0.05)  # type: ignore[arg-type]

@@ -6,7 +6,7 @@ use crate::lighting::Lighting;
 use crate::solve::Measurement;
 use crate::transport::Transport;
 use radiosity_exchange::{Elements, Luminaire, Shot};
-use radiosity_operator::{Cancelled, Control};
+use radiosity_operator::{Cancelled, Control, Operator};
 use radiosity_solvers::{Problem, SolveOptions, SolveReport};
 use rayon::prelude::*;
 
@@ -76,6 +76,20 @@ impl Task<'_> {
     pub fn answer(&self) -> Result<Answer, Cancelled> {
         let (radiosity, solver) = self.solve_on_sides(&self.measurement.exchange.exposed_area)?;
         self.finish_all(&self.elements(), SWEEPS, &radiosity, solver)
+    }
+
+    /// Irradiance as the exchange between whole sides has it, sides x bands: what an answer begins with.
+    pub fn on_sides(&self) -> Result<Vec<f64>, Cancelled> {
+        let exchange = &self.measurement.exchange;
+        let (area, bands) = (&exchange.exposed_area, self.lighting.bands);
+        let (radiosity, _) = self.solve_on_sides(area)?;
+        let mut irradiance = vec![0.0; radiosity.len()];
+        exchange.operator.apply(&radiosity, &mut irradiance, bands);
+        let incident = self.incident(area);
+        for (row, (h, h0)) in irradiance.iter_mut().zip(&incident).enumerate() {
+            *h = ratio(*h, area[row / bands]) + h0;
+        }
+        Ok(irradiance)
     }
 
     /// The area of a side times how much an error on it matters.

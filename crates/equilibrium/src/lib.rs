@@ -39,5 +39,5 @@ pub use method::Method;
 pub use on_demand::solve_on_demand;
 pub use report::{Cause, Limit, Report, SolverReport};
 pub use shooting::{Shooting, ShootingSettings, ShotSolution, shoot};
-pub use solve::{Closure, Failure, Measurement, Settings, Solution, Source, relight, solve};
+pub use solve::{Closure, Failure, Measurement, Settings, Solution, Source, irradiance_on_sides, relight, solve};
 pub use transport::Transport;

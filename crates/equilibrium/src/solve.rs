@@ -271,6 +271,22 @@ pub fn relight(
     Ok(solution(answer, radiosity, estimate, report, measurement.clone()))
 }
 
+/// Irradiance with other lamps or paint as the exchange between whole sides has it, sides x bands; none if it was not
+/// sampled.
+///
+/// It takes a few products. The difference of two of these is nearly that of two relights: what elements, the gather and
+/// the noise of the operator change is much the same in both.
+pub fn irradiance_on_sides(
+    source: &Source,
+    lighting: &Lighting,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Option<Vec<f64>>, Failure> {
+    let Source::Measured(measurement) = source else { return Ok(None) };
+    let lighting = &*lighting.of_diffuse_parts(measurement.transport.enclosure());
+    Ok(Some(task(measurement, lighting, settings, control).on_sides()?))
+}
+
 fn solution(
     answer: Answer,
     radiosity: Vec<f64>,

@@ -97,6 +97,29 @@ impl Solution {
         )
     }
 
+    /// Irradiance of sides with other emission, reflectance and lamp strengths, (n_sides, bands), as the exchange between
+    /// whole sides has it; None unless that was sampled.
+    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, threads=None))]
+    fn on_sides<'py>(
+        &self,
+        py: Python<'py>,
+        reflectance: PyReadonlyArray2<'_, f64>,
+        emission: PyReadonlyArray2<'_, f64>,
+        lamps: Vec<LightTuple>,
+        accuracy: f64,
+        method: &str,
+        threads: Option<usize>,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let settings = settings(accuracy, 0, 0, u64::MAX, method, None, false)?;
+        let source = &self.inner.source;
+        let lighting = lighting_in(source.enclosure(), reflectance, emission, lamps)?;
+        let irradiance = watch::run(py, threads, None, |control| {
+            radiosity_equilibrium::irradiance_on_sides(source, &lighting, &settings, control)
+        })?;
+        let irradiance = irradiance.map_err(errors::failure)?;
+        Ok(irradiance.map(|values| convert::block_out(py, values, self.bands)))
+    }
+
     /// Derivatives of sums of irradiance of fronts by emission, reflectance and strengths of lamps; sums one below
     /// another: weights (sums x n_patches, bands), answers (sums x n_patches or n_lamps, bands).
     #[pyo3(signature = (reflectance, emission, lamps, weights, threads=None, progress=None))]

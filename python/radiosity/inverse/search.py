@@ -49,11 +49,16 @@ class Problem:
         demand_exchange(solution)
         self._measured, self._last = solution, None
 
+    def _relit(self, blocks: dict[str, Floats]) -> Solution:
+        return self.measured.relight(
+            emission=blocks.get("emission"), reflectance=blocks.get("reflectance"), lights=blocks.get("lights")
+        )
+
     def relit(self, x: Floats) -> Solution:
         """The equilibrium at x; the last one is kept."""
         key = x.tobytes()
         if self._last is None or self._last[0] != key:
-            self._last = key, self.measured.relight(**self.levers.applied(self.measured, x))
+            self._last = key, self._relit(self.levers.applied(self.measured, x))
             self.history.append(self.goals.residual(self.values(x)))
         return self._last[1]
 
@@ -77,7 +82,7 @@ class Problem:
         for lever in self.levers.all:
             lit = {name: block.copy() for name, block in dark.items()}
             lit["lights" if lever.kind == "strength" else lever.kind][lever.on] = 1.0
-            by_lever.append(self.goals.weights @ self.measured.relight(**lit).irradiance)
+            by_lever.append(self.goals.weights @ self._relit(lit).irradiance)
         return self._columns(np.stack(by_lever, axis=1))
 
     def squares(self, x: Floats) -> tuple[float, Floats]:

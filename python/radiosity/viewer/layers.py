@@ -18,7 +18,7 @@ import numpy.typing as npt
 from radiosity.files import LitModel
 from radiosity.patches import Patches
 from radiosity.scene import DirectionalLight, Light, SpotLight
-from radiosity.solution import Solution
+from radiosity.solution import Progress, Solution
 from radiosity.viewer.messages import LampHead
 
 Floats = npt.NDArray[np.float64]
@@ -92,14 +92,17 @@ def layers(solution: Solution, lamps: list[LampHead], model: LitModel) -> list[L
     return adding_up([layer(solution, lamps, k, model) for k in range(len(lamps))], model)
 
 
-def layer(solution: Solution, lamps: list[LampHead], which: int, model: LitModel) -> LitModel:
+def layer(
+    solution: Solution, lamps: list[LampHead], which: int, model: LitModel, progress: Progress | None = None
+) -> LitModel:
     """The light of one lamp alone, but for what iterative solvers leave; see :func:`layers`."""
     if len(lamps) == 1:
         return model
     weights = np.zeros((len(lamps), len(solution.patches.scene.bands)))
     weights[which] = 1.0
     emitted, shone = factors(lamps, solution.patches, weights)
-    return model.relit(solution.relight(emission=solution.emission * emitted, lights=solution.lights * shone))
+    other = solution.relight(emission=solution.emission * emitted, lights=solution.lights * shone, progress=progress)
+    return model.relit(other)
 
 
 def adding_up(layers: list[LitModel], model: LitModel) -> list[LitModel]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,6 +20,14 @@ Floats = npt.NDArray[np.float64]
 
 KEEPING = ("sampled", "hierarchical", "given")
 """Transports that keep what other light is found with."""
+
+
+SOON = 0.25
+"""Seconds that nobody minds to wait for light."""
+
+
+class Outdated(Exception):  # noqa: N818 - no error
+    """What was asked is no longer wanted."""
 
 
 @dataclass
@@ -44,11 +53,72 @@ class Relighter:
         self._lit, self._is_layered = lit, is_layered
         self._base = _Painted(solution, lit.model)
         self._last: tuple[Mapping[int, Spectrum], _Painted] = ({}, self._base)
+        self._took = math.inf
+        self._on_sides: dict[bytes, Floats | None] = {}
+        self._is_outdated: Callable[[], bool] = lambda: False
 
-    def answer(self, message: Relight) -> bytes:
-        """The light packet for a message."""
+    def answer(self, message: Relight, is_outdated: Callable[[], bool] = lambda: False) -> bytes:
+        """The light packet for a message.
+
+        Raises:
+            Outdated: another message counts now.
+        """
+        self._is_outdated, begin = is_outdated, time.monotonic()
+        light = self._light(message)
+        self._took = time.monotonic() - begin
+        return light.light_packet(self._took)
+
+    def glimpse(self, message: Relight) -> bytes | None:
+        """A light packet for a message that is nearly right and there at once; None if the answer is there as soon.
+
+        The light that is known, changed as it changes where patches see each other as wholes.
+        """
+        paint, weights = self._paint(message), self._weights(message)
         begin = time.monotonic()
-        return self._light(message).light_packet(time.monotonic() - begin)
+        if self._took < SOON or (self._known(paint) is not None and self._is_split(self._base)):
+            return None
+        reflectance = self._reflectance(paint)
+        if not self._is_layered:
+            whole = self._glimpsed(self._base.model, reflectance, weights)
+            if whole is None:
+                return None
+            return replace(self._lit, model=whole).light_packet(time.monotonic() - begin, is_final=False)
+        alone = np.eye(len(weights))[:, :, None] * weights[None]
+        each = [
+            self._glimpsed(layer, reflectance, mixed, np.broadcast_to(one[:, None], weights.shape))
+            for layer, mixed, one in zip(self._base.layers, alone, np.eye(len(weights)), strict=True)
+        ]
+        layers = [layer for layer in each if layer is not None]
+        if len(layers) < len(each) or not layers:
+            return None
+        whole = _weighted(layers, [np.ones(weights.shape[1])] * len(layers), layers[0])
+        lit = replace(self._lit, model=whole, layers=layers)
+        return lit.light_packet(time.monotonic() - begin, is_final=False)
+
+    def _glimpsed(
+        self, known: LitModel, reflectance: Floats, weights: Floats, of_known: Floats | None = None
+    ) -> LitModel | None:
+        """Light that is known to be of lamps with weights ``of_known``, in the scene's paint, made that of others."""
+        base, lamps = self._base.solution, list(self._lit.lamps)
+
+        def on_sides(rho: Floats, weights: Floats) -> Floats | None:
+            emitted, shone = factors(lamps, base.patches, weights)
+            return base._irradiance_on_sides(base.emission * emitted, rho, base.lights * shone)
+
+        key = (np.ones_like(weights) if of_known is None else of_known).tobytes()
+        if key not in self._on_sides:
+            self._on_sides[key] = on_sides(base.reflectance, np.frombuffer(key).reshape(weights.shape))
+        before, after = self._on_sides[key], on_sides(reflectance, weights)
+        if before is None or after is None:
+            return None
+        # In proportion where whole patches know the light well, since their noise is that of factors to lamps.
+        is_near = (known.irradiance < 2 * before) & (before < 2 * known.irradiance)
+        ratio = np.divide(after, before, out=np.ones_like(after), where=is_near)
+        irradiance = np.where(is_near, known.irradiance * ratio, np.maximum(known.irradiance + after - before, 0.0))
+        back = np.flatnonzero(base.patches.two_sided)
+        emitted, _ = factors(lamps, base.patches, weights)
+        emission, rho = (np.concatenate([a, a[back]]) for a in (base.emission * emitted, reflectance))
+        return known.with_light(emission, irradiance, rho)
 
     def scene(self) -> Lit:
         """The light as in the scene, in layers if it is wanted so."""
@@ -81,7 +151,7 @@ class Relighter:
 
     def _in_paint(self, paint: Mapping[int, Spectrum]) -> _Painted:
         """The light with all lamps in other paint, which is kept for the next question."""
-        solution = self._base.solution.relight(reflectance=self._reflectance(paint))
+        solution = self._base.solution.relight(reflectance=self._reflectance(paint), progress=self._heed)
         painted = _Painted(solution, self._base.model.relit(solution))
         if len(self._lit.lamps) == 1:
             painted.layers = [painted.model]
@@ -96,8 +166,13 @@ class Relighter:
             emission=solution.emission * emitted,
             lights=solution.lights * shone,
             reflectance=self._reflectance(paint),
+            progress=self._heed,
         )
         return self._base.model.relit(other)
+
+    def _heed(self, _done: int, _total: int) -> None:
+        if self._is_outdated():
+            raise Outdated
 
     def _is_split(self, painted: _Painted) -> bool:
         return len(painted.layers) == len(self._lit.lamps)
@@ -106,7 +181,7 @@ class Relighter:
         if self._is_split(painted):
             return False
         lamps = list(self._lit.lamps)
-        painted.layers.append(layer(painted.solution, lamps, len(painted.layers), painted.model))
+        painted.layers.append(layer(painted.solution, lamps, len(painted.layers), painted.model, progress=self._heed))
         if self._is_split(painted):
             painted.layers = adding_up(painted.layers, painted.model)
         return True

@@ -18,7 +18,7 @@ from radiosity.viewer.lit import Lit, up_axis
 from radiosity.viewer.mailbox import written
 from radiosity.viewer.messages import Failed, Relight, Status, Stop, percent
 from radiosity.viewer.reading import Known
-from radiosity.viewer.relighting import KEEPING, Relighter
+from radiosity.viewer.relighting import KEEPING, Outdated, Relighter
 from radiosity.viewer.settings import Settings
 from radiosity.viewer.solving import Solving, rough_patches
 
@@ -185,7 +185,12 @@ class Session:
             return
         hear("status", written(Status("relighting", -1.0, True, "relighting")))
         try:
-            hear(LIGHT, self._relighter.answer(message))
+            glimpse = self._relighter.glimpse(message)
+            if glimpse is not None:
+                hear(LIGHT, glimpse)
+            hear(LIGHT, self._relighter.answer(message, lambda: self._is_closed or hear in self._asked))
+        except Outdated:
+            return
         except Exception as error:
             hear("failed", written(Failed(f"relighting failed: {_sentence(error)}")))
         hear("status", written(self._status))

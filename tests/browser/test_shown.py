@@ -1,7 +1,7 @@
 """What is on the screen are the solution's numbers through the tone curve."""
 
 import numpy as np
-from conftest import Open, pixels
+from browsing import Open, pixels
 from scenes import Seen, cornell, developed, encoded, lit
 
 
