@@ -137,7 +137,7 @@ def test_the_choice(box: Patches) -> None:
 
     class Many:
         def __init__(self, n: int) -> None:
-            self.n, self.two_sided = n, np.zeros(n, bool)
+            self.n, self.two_sided, self.is_specular = n, np.zeros(n, bool), False
 
         def __len__(self) -> int:
             return self.n

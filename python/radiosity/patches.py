@@ -105,6 +105,8 @@ class Patches:
 
     @cached_property
     def _going_on(self) -> Floats:
+        if not self.scene.surfaces:
+            return np.zeros((len(self), 2))  # patches without a scene of their own
         parts = [self.scene._going_on(surface) for surface in self.scene.surfaces]
         return np.array(parts, dtype=np.float64).reshape(-1, 2)[self.surface]
 
