@@ -19,6 +19,9 @@ const DEEPEST: u32 = 64;
 /// And one of which less than this is left: a tenth of a step of eight bits, in sum over all of them.
 const LEAST: f64 = 1.0 / 4096.0;
 
+/// So many that show nothing of their own are met for certain where ways are chosen at random.
+const SPARED: u32 = 8;
+
 /// Looks on from mirrors and panes.
 #[derive(Clone, Copy)]
 pub(crate) struct Beyond<'a> {
@@ -87,27 +90,32 @@ impl<'a> Beyond<'a> {
     }
 
     /// Follows such a ray one way, which numbers in (0, 1) for each that it meets choose; returns what it shows over
-    /// the probability of that. None is a black back. `first` is the side of the patch that is met.
+    /// the probability of that. None is a black back, or a side that `is_dark`. `first` is the side that is met.
     pub fn one(
         &self,
-        patch: usize,
-        first: Option<Shown>,
-        on: DVec3,
-        direction: Vec3,
+        (patch, first): (usize, Option<Shown>),
+        (on, direction): (DVec3, Vec3),
+        is_dark: impl Fn(usize) -> bool,
         survival: impl Fn(u32) -> f64,
     ) -> Option<(f64, Shown)> {
         let meeting = self.enclosure.meets(self.specular, patch, direction);
         let mut found = Found { side: first, meeting, on, direction: direction.as_dvec3() };
+        let mut weight = 1.0;
         for met in 0..MOST_MEETINGS {
             let Found { side, meeting, on, direction } = found;
-            let u = if meeting.reflects + meeting.passes > 0.0 { survival(met) } else { 1.0 };
-            if u >= meeting.reflects + meeting.passes {
-                let share = self.specular.diffuse_share(meeting.patch);
-                return side.filter(|_| share > 0.0).map(|shown| (1.0 / share, shown));
+            let side = side.filter(|shown| matches!(shown, Shown::Side { side, .. } if !is_dark(*side)));
+            let goes_on = meeting.reflects + meeting.passes;
+            let share = self.specular.diffuse_share(meeting.patch);
+            // What takes all that it does not send on has the first rays go on for certain, with less weight.
+            let whole = if side.is_none() && met < SPARED { goes_on } else { 1.0 };
+            let u = if goes_on > 0.0 { whole * survival(met) } else { 1.0 };
+            if u >= goes_on {
+                return side.filter(|_| share > 0.0).map(|shown| (weight / share, shown));
             }
+            weight *= whole;
             let ray = self.enclosure.onward(&meeting, on, direction, u < meeting.reflects);
             match self.look(ray) {
-                None => return Some((1.0, Shown::Nothing)),
+                None => return Some((weight, Shown::Nothing)),
                 Some(next) => found = next,
             }
         }

@@ -303,6 +303,18 @@ impl Film<'_> {
         }
     }
 
+    /// Whether a side neither emits nor reflects diffusely.
+    fn is_dark(&self, side: usize) -> bool {
+        let bands = self.tracer.bands();
+        match self.surfaces {
+            Surfaces::Irradiance => false,
+            Surfaces::Radiance { emission, reflectance } => {
+                let of_side = |values: &[f32]| values[side * bands..][..bands].iter().all(|&v| v == 0.0);
+                of_side(emission) && of_side(reflectance)
+            }
+        }
+    }
+
     /// What a ray shows of a side, the side and the point just off it.
     fn seen(&self, ray: &Ray, hit: &Hit, survival: impl Fn(u32) -> f64) -> Option<(f64, usize, DVec3)> {
         let enclosure = self.tracer.enclosure();
@@ -314,7 +326,7 @@ impl Film<'_> {
             None => first.map(|(side, point)| (1.0, side, point)),
             Some(beyond) => {
                 let first = first.map(|(side, point)| Shown::Side { side, point, corners: facet.corner_weights(hit) });
-                match beyond.one(patch, first, on, ray.direction, survival)? {
+                match beyond.one((patch, first), (on, ray.direction), |side| self.is_dark(side), survival)? {
                     (weight, Shown::Side { side, point, .. }) => Some((weight, side, point)),
                     (_, Shown::Nothing) => None,
                 }
