@@ -58,7 +58,7 @@ def test_a_lit_model_takes_other_light_of_the_same_patches(cornell: Solution) ->
     model, other = LitModel.of(cornell), cornell.relight(emission=2 * cornell.emission, reflectance=0.1)
     relit = model.relit(other)
     assert relit.patches is model.patches
-    np.testing.assert_allclose([rho for _, _, rho, _ in relit.surfaces], 0.1, rtol=1e-12)
+    np.testing.assert_allclose([rho for _, _, rho, *_ in relit.surfaces], 0.1, rtol=1e-12)
     for name in ("emission", "irradiance", "radiosity", "error"):
         assert np.array_equal(getattr(relit, name), getattr(LitModel.of(other), name))
     with pytest.raises(ValueError, match="on other patches than the model"):

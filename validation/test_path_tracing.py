@@ -159,3 +159,108 @@ def test_a_lit_model_gathers_as_its_solution_does(tmp_path: object) -> None:
         # Corners of lit models are in single precision: few paths go another way.
         assert np.mean(np.abs(one - two) > 1e-3 * one.mean()) < 0.05
         assert one.mean() == pytest.approx(two.mean(), rel=1e-3)
+
+
+@pytest.mark.parametrize("transmittance", [0.7, 0.0])
+def test_solutions_agree_with_path_tracing_by_mirrors_and_glass(transmittance: float) -> None:
+    # Behind its lamp, the room is lit by the mirror alone, beside what walls reflect.
+    patches = radiosity.scenes.mirror_room(transmittance=transmittance).patches(max_edge=0.5)
+    solution = radiosity.solve(patches, accuracy=0.01, seed=5, transport="sampled")
+    found = radiosity.path_irradiance(patches, samples=4096, seed=6)
+    assert found.back_error is not None
+    weight = patches.area[:, None]
+    mean = np.average(found.irradiance, axis=0, weights=patches.area)
+    difference = (solution.irradiance - found.irradiance) / mean
+    noise = found.error / mean
+    rms, sigma = (float(np.sqrt(np.average(v**2, axis=0, weights=patches.area).mean())) for v in (difference, noise))
+    assert np.sqrt(max(rms**2 - sigma**2, 0)) < 0.02
+    # No light is lost or counted twice on any surface. Bands share their paths.
+    for k, surface in enumerate(patches.scene.surfaces):
+        own = patches.surface == k
+        total = (weight * found.irradiance)[own].sum()
+        error = np.sqrt(((weight * found.error)[own].sum(axis=1) ** 2).sum())
+        off = (weight * (solution.irradiance - found.irradiance))[own].sum()
+        assert abs(off) < 4 * error + 0.01 * total, surface.name
+
+
+def test_lights_without_area_agree_by_mirrors_and_glass() -> None:
+    room = radiosity.scenes.mirror_room()
+    lights = [
+        radiosity.PointLight((1.0, 0.6, 2.0), [5.0, 4.0, 3.0]),
+        radiosity.SpotLight((2.0, 1.5, 1.5), (-1.0, 0.2, -0.1), [9.0, 9.0, 9.0], 0.3, 0.6),
+    ]
+    patches = radiosity.Scene(room.surfaces, lights, bands=room.bands).patches(max_edge=0.5)
+    solution = radiosity.solve(patches, accuracy=0.01, seed=5)
+    found = radiosity.path_irradiance(patches, samples=2048, seed=6)
+    for k, surface in enumerate(patches.scene.surfaces):
+        own, area = patches.surface == k, patches.area[:, None]
+        error = np.sqrt(((area * found.error)[own].sum(axis=1) ** 2).sum())
+        off = (area * (solution.irradiance - found.irradiance))[own].sum()
+        assert abs(off) < 4 * error + 0.01 * (area * found.irradiance)[own].sum(), surface.name
+
+
+@pytest.mark.parametrize("camera", [0, 1])
+def test_pictures_show_the_room_in_the_mirror(camera: int) -> None:
+    scene = radiosity.scenes.mirror_room()
+    eye, size = scene.cameras[camera], {"width": 40, "height": 30, "seed": 8}
+    solution = radiosity.solve(scene.patches(max_edge=0.2), accuracy=0.01, seed=7)
+    truth = radiosity.path_trace(scene, eye, samples=2048, **size)
+    brightness = truth.image.mean(axis=2)
+    high, low = maximum_filter(brightness, 3), minimum_filter(brightness, 3)
+    inner = (low > 0) & (high < 1.5 * low)
+    assert inner.mean() > 0.4
+    for mode, samples, bound in (("gather", 512, 0.05), ("smooth", 64, 0.06), ("patches", 64, 0.1)):
+        picture = render(solution, eye, mode=mode, samples=samples, **size)  # type: ignore[arg-type]
+        difference = (picture - truth.image)[inner]
+        # A gather finds the lamp in the mirror by rays, as paths do, and so with their noise.
+        noise = np.mean(truth.standard_error[inner] ** 2) * (1 + (2048 / samples if mode == "gather" else 0))
+        assert np.sqrt(max(np.mean(difference**2) - noise, 0)) < bound * truth.image[inner].mean(), mode
+        assert abs(difference.mean()) < 0.015 * truth.image[inner].mean(), mode
+
+
+def test_a_mirror_shows_the_room_as_if_it_went_on_behind_it() -> None:
+    # A mirror for a wall against the same room continued behind it, where the mirror leaves 0.8 of what is seen.
+    floor = rectangle([0, 0, 0], [2, 0, 0], [0, 2, 0], 0.0, 3.0, name="floor")
+    lamp = rectangle([0.5, 0.5, 1.5], [0.3, 0, 0], [0, 0.3, 0], 0.0, 7.0, name="lamp")
+    mirror = rectangle([0, 0, 0], [0, 2, 0], [0, 0, 2], 0.0, name="mirror")
+    mirror.specular = 0.8
+    beyond = [
+        rectangle([0, 0, 0], [0, 2, 0], [-2, 0, 0], 0.0, 0.8 * 3.0, name="floor beyond"),
+        rectangle([-0.5, 0.5, 1.5], [0, 0.3, 0], [-0.3, 0, 0], 0.0, 0.8 * 7.0, name="lamp beyond"),
+    ]
+    eye = radiosity.Camera.look_at((1.8, 1.1, 1.7), (0.0, 1.0, 0.9), (0, 0, 1))
+    size = {"width": 40, "height": 40, "samples": 1}
+    seen = [
+        render(radiosity.solve(radiosity.Scene(surfaces).patches(as_is=True)), eye, mode="patches", **size)  # type: ignore[arg-type]
+        for surfaces in ([floor, lamp, mirror], [floor, lamp, *beyond])
+    ]
+    inside = np.abs(seen[0] - seen[1])[..., 0]
+    # Where the mirror ends the continued room goes on; everything else is the same but for edges.
+    shown = seen[0][..., 0] > 0
+    assert (shown & (seen[1][..., 0] < 3.0 / np.pi * 0.9)).sum() > 50
+    assert np.mean(inside[shown] > 1e-5) < 0.01
+
+
+def test_lit_models_keep_their_mirrors(tmp_path: object) -> None:
+    scene = radiosity.scenes.mirror_room()
+    solution = radiosity.solve(scene.patches(max_edge=0.5), accuracy=0.03)
+    path = f"{tmp_path}/mirrors.glb"
+    solution.save(path)
+    lit = load_lit(path)
+    assert lit is not None
+    kept = {name: parts for name, *_, specular, clear in lit.surfaces if any(parts := (specular, clear))}
+    # Surfaces without backs are written with one too.
+    assert kept.pop("mirror (back)") == kept["mirror"]
+    assert kept == {"mirror": (0.9, 0.0), "pane": (0.5 * (1 - 0.8), 0.8), "pane (back)": (0.5 * (1 - 0.8), 0.8)}
+    size = {"width": 40, "height": 30, "samples": 16}
+    for mode in ("smooth", "patches", "gather", "path"):
+        one, two = render(solution, mode=mode, **size), render(lit, mode=mode, **size)  # type: ignore[arg-type]
+        assert np.mean(np.abs(one - two) > 1e-3 * one.mean()) < 0.05
+        assert one.mean() == pytest.approx(two.mean(), rel=2e-3)
+
+
+def test_paint_and_mirror_are_parts_of_one_whole() -> None:
+    room = radiosity.scenes.mirror_room()
+    room.surfaces[6].reflectance = 0.3
+    with pytest.raises(ValueError, match="more than"):
+        radiosity.path_irradiance(room.patches(max_edge=1.0))

@@ -22,8 +22,8 @@ LightTuple = tuple[str, str, _Triple, _Triple, float, float, list[float]]
 CsrTuple = tuple[npt.NDArray[np.int64], _Indices, _Floats]
 # name, position, forward, up, vertical angle of view, aspect
 CameraTuple = tuple[str, _Triple, _Triple, _Triple, float, float | None]
-# name, material, reflectance, two-sided
-LitSurfaceTuple = tuple[str, str, list[float], bool]
+# name, material, reflectance, two-sided, specular, transmittance
+LitSurfaceTuple = tuple[str, str, list[float], bool, float, float]
 # severity, code, element, message; surface, (k,) faces of it, (k, 2, 3) edges, (k, 3) points
 _FindingTuple = tuple[Any, str, str, str, int | None, _Indices, _Floats, _Floats]
 # name, vertices, faces, material, reflectance, emission, two-sided
@@ -369,6 +369,7 @@ def render(
     smooth: bool,
     irradiance: _Floats | None = None,
     reflectance: list[list[float]] | None = None,
+    going_on: _Floats | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> _Pixels: ...
@@ -392,6 +393,7 @@ def gather(
     samples: int,
     show: str,
     seed: int,
+    going_on: _Floats | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...
@@ -407,6 +409,7 @@ def path_trace(
     accuracy: float | None,
     show: str,
     seed: int,
+    going_on: _Floats | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...

@@ -35,7 +35,7 @@ class LitModel:
 
     Attributes:
         patches: the native patches.
-        surfaces: name, material, reflectance per band and two-sidedness of each.
+        surfaces: name, material, reflectance per band, two-sidedness, mirror reflectance and transmittance of each.
         bands: names of the bands.
         emission, irradiance, radiosity, error: (n, bands) W/m2.
         cameras: viewpoints.
@@ -62,6 +62,19 @@ class LitModel:
         native = _with_backs(solution.patches, back) if len(back) else patches._native
         scene = patches.scene
         return cls(native, bands=list(scene.bands), cameras=list(scene.cameras), **_light_of(solution, back))
+
+    @property
+    def _reflectance(self) -> Floats:
+        """(n, bands) diffuse reflectance of the patches, as their surfaces have it."""
+        paint = np.array([reflectance for _, _, reflectance, *_ in self.surfaces], dtype=np.float64)
+        return paint.reshape(-1, len(self.bands))[self.patches.surface]
+
+    @property
+    def _going_on(self) -> Floats | None:
+        """(n, 2) mirror reflectance and transmittance of the patches; None where there is neither."""
+        parts = np.array([surface[-2:] for surface in self.surfaces], dtype=np.float64)
+        parts = parts.reshape(-1, 2)[self.patches.surface]
+        return np.ascontiguousarray(parts) if parts.any() else None
 
     def relit(self, solution: Solution) -> LitModel:
         """The same patches with the light of another solution on them.
@@ -107,11 +120,11 @@ def _surface_reflectance(solution: Solution) -> list[list[float]]:
 def _light_of(solution: Solution, back: npt.NDArray[np.intp]) -> dict[str, Any]:
     """The fields of a lit model that are not of its geometry; ``back`` are the patches whose backs count."""
     surfaces = [
-        (s.name, s.material, reflectance, False)
+        (s.name, s.material, reflectance, False, *solution.patches.scene._going_on(s))
         for s, reflectance in zip(solution.patches.scene.surfaces, _surface_reflectance(solution), strict=True)
     ]
     if len(back):
-        surfaces += [(f"{name} (back)", paint, rho, both) for name, paint, rho, both in surfaces]
+        surfaces += [(f"{surface[0]} (back)", *surface[1:]) for surface in surfaces]
     scene = solution.patches.scene
     lights: list[_native.LightTuple] = [
         (*light._tuple(len(scene.bands))[:-1], strength)

@@ -65,6 +65,10 @@ def render(
         threads, progress: as in :func:`radiosity.solve`.
         seed: of "gather" and "path": the same seed gives the same bytes.
 
+    Radiance is also seen in mirrors and through clear glass. "smooth" and "patches" follow both ways of every ray, by
+    at most 64 mirrors and panes and while more than 1/4096 of it is left, and show black beyond; "gather" and "path"
+    draw a way. Other quantities are those of the mirror or pane itself.
+
     Returns:
         (height, width, bands) float32, linear.
 
@@ -99,8 +103,8 @@ def render(
         lit.patches, np.ascontiguousarray(values), camera._tuple(), width, height, rays,
         1 / math.pi if is_radiosity else 1.0, mode == "smooth",
         np.ascontiguousarray(lit.irradiance) if is_radiosity else None,
-        [reflectance for _, _, reflectance, _ in lit.surfaces] if is_radiosity else None,
-        threads, progress,
+        [reflectance for _, _, reflectance, *_ in lit.surfaces] if is_radiosity else None,
+        lit._going_on if is_radiosity else None, threads, progress,
     )  # fmt: skip
 
 
@@ -116,8 +120,7 @@ def _gather(
     progress: Callable[[int, int], object] | None,
 ) -> Image:
     model = LitModel.of(lit) if isinstance(lit, Solution) else lit
-    paint = np.array([reflectance for _, _, reflectance, _ in model.surfaces], dtype=np.float64)
-    paint = paint.reshape(-1, len(model.bands))[model.patches.surface]
+    paint = model._reflectance
     if isinstance(lit, Solution):
         # Relighting may have given each patch a paint of its own.
         paint = np.concatenate([lit.reflectance, lit.reflectance[lit.patches.two_sided]])
@@ -126,7 +129,7 @@ def _gather(
         model.patches, blocks[0], blocks[1], blocks[2], blocks[3], model.lights or [],
         (camera or default_camera(model))._tuple(), width, height,
         whole(samples, "samples", 1, 1 << 24), "radiance" if show == "radiosity" else show,
-        whole(seed, "seed", 0, 2**64 - 1), threads, progress,
+        whole(seed, "seed", 0, 2**64 - 1), model._going_on, threads, progress,
     )[0]  # fmt: skip
 
 

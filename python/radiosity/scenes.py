@@ -12,6 +12,7 @@ from radiosity import _native
 from radiosity.city import city
 from radiosity.crater import crater
 from radiosity.ferren import ferren
+from radiosity.mirror_room import mirror_room
 from radiosity.scene import Scene
 
 
@@ -74,6 +75,7 @@ BUILTIN_SCENES: dict[str, Callable[[], Scene]] = {
     "ferren": ferren,
     "furnished-room": furnished_room,
     "furnace": furnace,
+    "mirror-room": mirror_room,
     "two-plates": two_plates,
 }
 """Built-in scenes by the name that the command line knows them by; the docstring's first line describes each."""

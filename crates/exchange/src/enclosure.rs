@@ -230,6 +230,11 @@ impl Enclosure {
         ray.origin.as_dvec3() + self.middle
     }
 
+    /// Where a ray met something, metres.
+    pub fn point(&self, ray: &Ray, hit: &Hit) -> DVec3 {
+        self.origin(ray) + f64::from(hit.t) * ray.direction.as_dvec3()
+    }
+
     /// The ray from a point along a direction, without end.
     #[inline]
     pub fn ray(&self, from: DVec3, direction: Vec3) -> Ray {

@@ -137,6 +137,16 @@ impl Specular {
         self.reflectance.iter().zip(&self.transmittance).position(is_specular).unwrap_or(0)
     }
 
+    /// Whether a patch is a mirror or lets light through.
+    pub fn is_specular(&self, patch: usize) -> bool {
+        self.reflectance[patch] + self.transmittance[patch] > 0.0
+    }
+
+    /// What a patch lets through.
+    pub fn transmittance(&self, patch: usize) -> f64 {
+        self.transmittance[patch]
+    }
+
     /// The part of a patch's sides that is neither mirror nor pane.
     pub fn diffuse_share(&self, patch: usize) -> f64 {
         let share = 1.0 - self.reflectance[patch] - self.transmittance[patch];
@@ -213,6 +223,11 @@ impl Enclosure {
         (patch < self.patches().len()).then(|| specular.meeting(self.patches(), patch, direction))
     }
 
+    /// The same for a patch that is known to be met.
+    pub fn meets(&self, specular: &Specular, patch: usize, direction: Vec3) -> Meeting {
+        specular.meeting(self.patches(), patch, direction)
+    }
+
     /// What becomes of a ray that hit something, where `u` in (0, 1), drawn if need be, decides whether it survives.
     pub fn step(&self, specular: &Specular, ray: &Ray, hit: &Hit, u: impl FnOnce() -> f64) -> Step {
         let end = || Step::End(self.sight(ray.direction, hit));
@@ -230,8 +245,8 @@ impl Enclosure {
         Step::On { ray: self.onward(&meeting, on, direction, reflected), reflected }
     }
 
-    /// The ray that goes on from a point of a patch.
-    fn onward(&self, meeting: &Meeting, on: DVec3, direction: DVec3, is_reflected: bool) -> Ray {
+    /// The ray that goes on from a point of a patch, where one along `direction` met it.
+    pub fn onward(&self, meeting: &Meeting, on: DVec3, direction: DVec3, is_reflected: bool) -> Ray {
         let normal = self.patches().normal[meeting.patch];
         let turned = if is_reflected { reflected(direction, normal) } else { direction };
         self.ray(self.beyond(meeting, on, is_reflected), turned.as_vec3())

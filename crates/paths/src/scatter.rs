@@ -1,16 +1,76 @@
 //! How light goes on from a point of a surface: the one place that knows what surfaces are made of.
+//!
+//! Of what meets a side, a part is scattered diffusely or absorbed, and mirrors and clear glass send parts on. Where a
+//! ray lands is drawn with these parts for probabilities, and what leaves a side where one has landed counts over the
+//! probability of that, as in the exchange (`radiosity_exchange::specular`).
 
 use glam::{DVec3, Vec3};
+use radiosity_exchange::enclosure::Sight;
+use radiosity_exchange::specular::{MOST_MEETINGS, Step};
+use radiosity_exchange::{Enclosure, Specular};
+use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_geometry::sampling::{Frame, cosine_hemisphere};
 
 /// Draws the direction that a path looks along next by two numbers in (0, 1), a unit vector.
 ///
 /// Its density is that of the reflection, so that what the ray finds needs no further weight than the reflectance. All
 /// that is scattered diffusely is also looked for on lamps, and weighed against that where the ray lands; what a mirror
-/// shows only rays can find, so whoever adds mirrors must say here which it was.
+/// shows only rays can find.
 #[inline]
 pub(crate) fn scatter(normal: DVec3, u: f64, v: f64) -> Vec3 {
     cosine_hemisphere(&Frame::new(normal), u, v)
+}
+
+/// Where a ray has landed.
+pub(crate) struct Landed {
+    /// Side and chart coordinates.
+    pub on: (u32, f64, f64),
+    /// The way it came along last, a unit vector.
+    pub direction: DVec3,
+    /// All its way, metres.
+    pub distance: f64,
+    /// The probability of landing there and not going on.
+    pub share: f32,
+    /// Whether a mirror was on the way, so that whoever looked for a lamp there in a straight line looked in vain.
+    pub by_mirror: bool,
+}
+
+impl Landed {
+    /// Where a ray that hit something lands; none if nowhere, or on a black back.
+    #[inline]
+    pub fn of(enclosure: &Enclosure, ray: &Ray, hit: &Hit) -> Option<Self> {
+        let Sight::Side(side, s, t) = enclosure.sight(ray.direction, hit) else { return None };
+        let (direction, distance) = (ray.direction.as_dvec3(), f64::from(hit.t));
+        Some(Self { on: (side, s, t), direction, distance, share: 1.0, by_mirror: false })
+    }
+
+    /// The same where there are mirrors and panes: `survival` draws for each of them a number in (0, 1). Rays shot are
+    /// added to `rays`.
+    pub fn beyond(
+        (enclosure, specular): (&Enclosure, &Specular),
+        (mut ray, mut hit): (Ray, Hit),
+        survival: impl Fn(u32) -> f64,
+        rays: &mut u64,
+    ) -> Option<Self> {
+        let (mut distance, mut by_mirror) = (0.0, false);
+        for met in 0..MOST_MEETINGS {
+            distance += f64::from(hit.t);
+            match enclosure.step(specular, &ray, &hit, || survival(met)) {
+                Step::End(_) => {
+                    let landed = Self::of(enclosure, &ray, &hit)?;
+                    let share = enclosure.diffuse_share(landed.on.0 as usize) as f32;
+                    return (share > 0.0).then_some(Self { distance, share, by_mirror, ..landed });
+                }
+                Step::On { ray: next, reflected } => {
+                    by_mirror |= reflected;
+                    ray = next;
+                    hit = enclosure.bvh().closest_hit(&ray);
+                    *rays += 1;
+                }
+            }
+        }
+        None
+    }
 }
 
 /// Reflectance per side and band; none where paths end at the first side that they meet.

@@ -202,3 +202,71 @@ fn the_same_bytes_on_any_number_of_threads_and_nothing_if_cancelled() {
     control.cancel();
     assert_eq!(of_sides(&tracer, &Effort::of_samples(8), &control).unwrap_err(), Cancelled);
 }
+
+/// The unit cube from inside, of whose faces mirrors reflect these parts; and the part per patch.
+fn mirrored_room(parts: [f64; 6], n: usize) -> (Enclosure, Vec<f64>) {
+    let polygons = room(n);
+    let specular: Vec<f64> = (0..polygons.len()).map(|i| parts[i / (n * n)]).collect();
+    let enclosure = enclosure(&polygons, false).with_specular(specular.clone(), vec![0.0; polygons.len()]);
+    (enclosure, specular)
+}
+
+#[test]
+fn furnaces_stay_even_with_mirrors() {
+    for parts in [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.9, 1.0, 0.0, 0.3]] {
+        let (enclosure, specular) = mirrored_room(parts, 2);
+        // Every side sends 2 (1 - s) of its own where 2 arrives: H = 2.
+        let own: Vec<f32> = specular.iter().map(|s| (2.0 * (1.0 - s)) as f32).collect();
+        let corners = own.iter().flat_map(|&b| [b; 4]).collect();
+        let gather = Tracer::gather(&enclosure, 1, Exitance::Corners(corners), vec![], 3);
+        let measured = of_sides(&gather, &Effort::of_samples(64), &Control::default()).unwrap();
+        // Exactly, without noise: a gather lands once, and counts the same wherever that is.
+        assert!(measured.irradiance.iter().all(|h| (h / 2.0 - 1.0).abs() < 1e-5), "{:?}", measured.irradiance);
+        // Of that, half is emitted and half reflected.
+        let emission = Exitance::Uniform(own.iter().map(|b| b / 2.0).collect());
+        let reflectance = own.iter().map(|b| b / 4.0).collect();
+        let tracer = Tracer::paths(&enclosure, 1, emission, reflectance, vec![], 3);
+        let measured = of_sides(&tracer, &Effort::of_samples(1024), &Control::default()).unwrap();
+        let scores = z_scores(&measured, |_| 2.0, 1e-6);
+        assert!(scores.iter().all(|z| z.abs() < 4.5), "{scores:?}");
+    }
+}
+
+#[test]
+fn lamps_count_once_through_glass_and_in_mirrors() {
+    // A lamp over a point, a pane of 0.7 between; and its image in a mirror beside, which only rays find.
+    let lamp = rectangle([-0.5, -0.5, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
+    let wall = rectangle([-50.0, -50.0, -9.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0]);
+    let pane = rectangle([-9.0, -9.0, 0.5], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
+    let glazed = enclosure(&[lamp, wall, pane], false).with_specular(vec![0.0; 3], vec![0.0, 0.0, 0.7]);
+    let tracer = paths(&glazed, vec![10.0, 0.0, 0.0], 0.0, vec![]);
+    let straight = 10.0 * point_to_polygon(DVec3::ZERO, DVec3::Z, &lamp);
+    assert_within(at(&tracer, DVec3::ZERO, DVec3::Z, 4096), 0.7 * straight);
+    let mirror = rectangle([1.0, -9.0, -9.0], [0.0, 0.0, 18.0], [0.0, 18.0, 0.0]);
+    let mirrored = enclosure(&[lamp, wall, mirror], false).with_specular(vec![0.0, 0.0, 0.8], vec![0.0; 3]);
+    let tracer = paths(&mirrored, vec![10.0, 0.0, 0.0], 0.0, vec![]);
+    let image = lamp.map(|p| DVec3::new(2.0 - p.x, p.y, p.z));
+    let image = [image[3], image[2], image[1], image[0]];
+    let seen = 0.8 * 10.0 * point_to_polygon(DVec3::ZERO, DVec3::Z, &image);
+    assert_within(at(&tracer, DVec3::ZERO, DVec3::Z, 1 << 14), straight + seen);
+}
+
+#[test]
+fn lights_without_area_are_seen_in_mirrors_and_through_panes() {
+    let floor = rectangle([-5.0, -5.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0]);
+    let mirror = rectangle([1.0, -9.0, -9.0], [0.0, 0.0, 18.0], [0.0, 18.0, 0.0]);
+    let pane = rectangle([-9.0, -9.0, 0.5], [9.5, 0.0, 0.0], [0.0, 18.0, 0.0]);
+    let enclosure = enclosure(&[floor, mirror, pane], false).with_specular(vec![0.0, 0.75, 0.0], vec![0.0, 0.0, 0.5]);
+    let light = |luminaire| Light { luminaire, strength: vec![4.0] };
+    let position = DVec3::new(0.0, 0.0, 1.0);
+    let point = Luminaire::Point { position };
+    let tracer = paths(&enclosure, vec![0.0; 3], 0.0, vec![light(point)]);
+    // Straight through the pane, and from (2, 0, 1), whose light reaches the mirror beside the pane.
+    let truth = 4.0 * (0.5 + 0.75 / 5.0_f64.powf(1.5));
+    let (value, error) = at(&tracer, DVec3::ZERO, DVec3::Z, 64);
+    assert!((value - truth).abs() < 1e-4 && error < 1e-6, "{value} +- {error}, not {truth}");
+    let sun = Luminaire::Directional { direction: DVec3::new(0.6, 0.0, -0.8) };
+    let tracer = paths(&enclosure, vec![0.0; 3], 0.0, vec![light(sun)]);
+    let (value, _) = at(&tracer, DVec3::new(0.9, 0.0, 0.0), DVec3::Z, 64);
+    assert!((value - 4.0 * 0.8 * 1.75).abs() < 1e-5, "{value}");
+}

@@ -42,7 +42,8 @@ impl<'a> Tracer<'a> {
         Self::new(enclosure, bands, radiosity, lights, None, seed)
     }
 
-    /// A path tracer: paths take what sides emit, and go on until nothing is left. `reflectance` is sides x bands.
+    /// A path tracer: paths take what sides emit, and go on until nothing is left. `reflectance` is sides x bands, what
+    /// is reflected diffusely of all that meets a side, whatever of it mirrors and panes send on.
     ///
     /// # Panics
     /// If values do not fit the sides or lights the bands, or a reflectance is not in [0, 1]. Of 1 a ten-millionth is
@@ -73,7 +74,7 @@ impl<'a> Tracer<'a> {
         assert_eq!(count, enclosure.sides() * each * bands, "values fit the sides and bands");
         assert!(lights.iter().all(|light| light.strength.len() == bands), "one strength per band");
         let lamps = Lamps::new(enclosure, &exitance, bands);
-        Self { enclosure, bands, exitance, lamps, lights: Lights::new(lights), reflectance, seed }
+        Self { enclosure, bands, exitance, lamps, lights: Lights::new(enclosure, lights), reflectance, seed }
     }
 
     /// The number of bands.

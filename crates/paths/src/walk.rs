@@ -3,15 +3,16 @@
 //! With emission E and reflectance rho, what arrives at x is the mean of what leaves where cosine-distributed rays land:
 //! H(x) = mean of E(y) + rho(y) H(y) (Kajiya 1986, *The rendering equation*, for diffuse surfaces). Every step adds what
 //! lamps and lights without area send to where paths are, and what rays find where they land, each weighed so that
-//! both together count it once.
+//! both together count it once. Rays go on by mirrors and panes until they land. Lamps and lights are looked for through
+//! panes, lights also at their images in mirrors; lamps in mirrors are found by rays alone.
 
 use glam::DVec3;
-use radiosity_exchange::enclosure::Sight;
+use radiosity_exchange::images::survival;
 use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_geometry::sampling::Sequence;
 
 use crate::lights::Seen;
-use crate::scatter::scatter;
+use crate::scatter::{Landed, scatter};
 use crate::tracer::{Start, Tracer};
 
 /// Buffers of one thread, used again and again.
@@ -25,6 +26,8 @@ pub struct Walk {
     rays: Vec<Ray>,
     shadows: Vec<Shadow>,
     occluded: Vec<bool>,
+    /// What arrives of the light of each source that is looked at.
+    left: Vec<f32>,
     hits: Vec<Hit>,
     /// Rays traced so far.
     pub rays_traced: u64,
@@ -51,18 +54,22 @@ struct Numbers {
 
 /// A source of light that is in sight unless its ray is blocked.
 struct Shadow {
+    from: DVec3,
     path: u32,
     weight: f32,
     source: Source,
 }
 
 enum Source {
-    Lamp((u32, f64, f64)),
+    Lamp { on: (u32, f64, f64), point: DVec3 },
     Light(usize),
 }
 
 /// The first stream of the sequences that feed paths; each step takes two.
 const STREAM: u32 = 1 << 8;
+
+/// The first stream of the sequences that decide what mirrors and panes send on; each step takes one.
+const SPECULAR: u32 = 1 << 24;
 
 /// Steps before roulette begins: the first bounces carry most of the light.
 const SPARED: u32 = 1;
@@ -88,7 +95,7 @@ impl Walk {
             self.draw(tracer, starts, round, step);
             self.look_at_lamps(tracer, step, irradiance);
             self.shoot(tracer);
-            self.land(tracer, step, irradiance);
+            self.land(tracer, starts, (round, step), irradiance);
             std::mem::swap(&mut self.vertices, &mut self.next);
             step += 1;
         }
@@ -111,15 +118,16 @@ impl Walk {
         self.rays.clear();
         self.shadows.clear();
         for (vertex, numbers) in self.vertices.iter().zip(&self.numbers) {
-            let (at, path) = ((vertex.point, vertex.normal), vertex.path);
+            let (point, normal, path) = (vertex.point, vertex.normal, vertex.path);
+            let (from, at) = (point, (point, normal));
             if let Some(lamp) = tracer.lamps.sample(tracer.enclosure, at, numbers.importance, numbers.lamp) {
-                self.rays.push(tracer.enclosure.segment(vertex.point, lamp.point));
-                self.shadows.push(Shadow { path, weight: lamp.weight, source: Source::Lamp(lamp.on) });
+                self.rays.push(tracer.enclosure.segment(point, lamp.point));
+                let source = Source::Lamp { on: lamp.on, point: lamp.point };
+                self.shadows.push(Shadow { from, path, weight: lamp.weight, source });
             }
-            let (point, normal) = at;
-            let mut look = |Seen { light, weight, ray }| {
+            let mut look = |Seen { place, weight, ray }| {
                 self.rays.push(ray);
-                self.shadows.push(Shadow { path, weight, source: Source::Light(light) });
+                self.shadows.push(Shadow { from, path, weight, source: Source::Light(place) });
             };
             if step == 0 && tracer.lights.are_few() {
                 tracer.lights.all(tracer.enclosure, point, normal).for_each(look);
@@ -127,21 +135,38 @@ impl Walk {
                 look(seen);
             }
         }
-        self.occluded.resize(self.rays.len(), false);
-        tracer.enclosure.bvh().occlusions(&self.rays, &mut self.occluded);
-        self.rays_traced += self.rays.len() as u64;
-        let seen = self.shadows.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
-        for (Shadow { path, weight, source }, _) in seen {
+        self.look(tracer);
+        for (Shadow { path, weight, source, .. }, left) in
+            self.shadows.iter().zip(&self.left).filter(|(_, l)| **l > 0.0)
+        {
             let of_path = *path as usize * tracer.bands..(*path as usize + 1) * tracer.bands;
             let (filter, sum) = (&self.throughput[of_path.clone()], &mut irradiance[of_path]);
+            let weight = weight * left;
             match source {
-                Source::Lamp(on) => tracer.exitance.add(tracer.enclosure, *on, *weight, filter, sum),
-                Source::Light(light) => {
-                    let strength = tracer.lights.strength(*light);
+                Source::Lamp { on, .. } => tracer.exitance.add(tracer.enclosure, *on, weight, filter, sum),
+                Source::Light(place) => {
+                    let strength = tracer.lights.strength(*place);
                     sum.iter_mut().zip(strength).zip(filter).for_each(|((sum, s), f)| *sum += weight * s * f);
                 }
             }
         }
+    }
+
+    /// Finds what arrives of the light of each source; a way by mirrors and panes counts as one ray.
+    fn look(&mut self, tracer: &Tracer) {
+        self.left.clear();
+        self.rays_traced += self.rays.len() as u64;
+        let enclosure = tracer.enclosure;
+        let Some(specular) = enclosure.specular() else {
+            self.occluded.resize(self.rays.len(), false);
+            enclosure.bvh().occlusions(&self.rays, &mut self.occluded);
+            self.left.extend(self.occluded.iter().map(|&occluded| if occluded { 0.0 } else { 1.0 }));
+            return;
+        };
+        self.left.extend(self.shadows.iter().map(|Shadow { from, source, .. }| match source {
+            Source::Lamp { point, .. } => enclosure.passage(specular, *from, &[*point], &[], false) as f32,
+            Source::Light(place) => tracer.lights.passage(enclosure, specular, *from, *place) as f32,
+        }));
     }
 
     /// Shoots a ray from each vertex.
@@ -157,16 +182,33 @@ impl Walk {
     }
 
     /// Adds what rays found, and has paths go on from there.
-    fn land(&mut self, tracer: &Tracer, step: u32, irradiance: &mut [f32]) {
+    fn land(&mut self, tracer: &Tracer, starts: &[Start], (round, step): (u32, u32), irradiance: &mut [f32]) {
         self.next.clear();
         let (enclosure, bands) = (tracer.enclosure, tracer.bands);
         for (((vertex, numbers), ray), hit) in self.vertices.iter().zip(&self.numbers).zip(&self.rays).zip(&self.hits) {
-            let Sight::Side(side, s, t) = enclosure.sight(ray.direction, hit) else { continue };
+            let landed = match enclosure.specular() {
+                None => Landed::of(enclosure, ray, hit),
+                Some(specular) => {
+                    let start = &starts[vertex.path as usize];
+                    let sequence = Sequence::new(tracer.seed, start.key, round, SPECULAR + step);
+                    let survival = |met| survival(&sequence, start.index, met);
+                    Landed::beyond((enclosure, specular), (*ray, *hit), survival, &mut self.rays_traced)
+                }
+            };
+            let Some(Landed { on, direction, distance, share, by_mirror }) = landed else { continue };
+            let (side, s, t) = on;
             let of_path = vertex.path as usize * bands..(vertex.path as usize + 1) * bands;
             let throughput = &mut self.throughput[of_path.clone()];
-            let found = (side as usize, ray.direction.as_dvec3(), f64::from(hit.t));
-            let weight = tracer.lamps.weight(enclosure, (vertex.point, vertex.normal), numbers.importance, found);
-            tracer.exitance.add(enclosure, (side, s, t), weight, throughput, &mut irradiance[of_path]);
+            if share < 1.0 {
+                throughput.iter_mut().for_each(|t| *t /= share);
+            }
+            let weight = if by_mirror {
+                1.0
+            } else {
+                let found = (side as usize, direction, distance);
+                tracer.lamps.weight(enclosure, (vertex.point, vertex.normal), numbers.importance, found)
+            };
+            tracer.exitance.add(enclosure, on, weight, throughput, &mut irradiance[of_path]);
             let Some(reflectance) = &tracer.reflectance else { continue };
             let left = reflectance.filter(side, throughput);
             if left > 0.0 && (step < SPARED || survives(left, numbers.roulette, throughput)) {

@@ -49,6 +49,11 @@ impl Sheets {
         Self { patches: patches.with_obstructions(given.obstructions.clone()), patch_of_side }
     }
 
+    /// Values of given patches, one each, as values of patches.
+    pub fn of_patches(&self, values: &[f64]) -> Vec<f64> {
+        self.patch_of_side[..self.patches.len()].iter().map(|&patch| values[patch as usize]).collect()
+    }
+
     /// Values of given patches, n x bands, as values of sides, in single precision.
     pub fn of_sides(&self, values: &[f64], bands: usize) -> Vec<f32> {
         let own = |&patch: &u32| &values[patch as usize * bands..][..bands];

@@ -4,6 +4,7 @@
 //! paths of `radiosity-paths` find at what is seen.
 
 pub mod backs;
+mod beyond;
 pub mod image;
 pub mod image_files;
 pub mod legend;
@@ -24,7 +25,7 @@ pub use legend::with_legend;
 pub use lit::{LitData, LitModel, LitSurface, read_lit, write_lit};
 pub use radiosity_store::files::{FileError, atomic_write};
 pub use reconstruction::Smoother;
-pub use render::{RenderSettings, Shading, render};
+pub use render::{Mirrors, RenderSettings, Shading, render, render_with_mirrors};
 pub use tone::{ColourMap, ColourScale, Exposure, ToneCurve};
 pub use traced::{Surfaces, TraceSettings, Traced, paths_per_point, trace};
 pub use vtp::write_vtp;

@@ -12,7 +12,7 @@
 //! | `_PATCH`, `_FACE` | unsigned short VEC2 | the patch's id, and its face within the surface: `x + 65536 y` |
 //!
 //! Ids are pairs because glTF allows no 32-bit integers in attributes, and floats end at 2^24. The rest is in
-//! `extras.radiosity`: of the file the bands, the surfaces and their reflectance, the lights without area, polygons that
+//! `extras.radiosity`: of the file the bands, the surfaces and what they reflect and let through, the lights without area, polygons that
 //! only block, the report and the exposure, of each mesh the index of its surface.
 
 mod lights;
@@ -48,6 +48,16 @@ pub struct LitSurface {
     pub reflectance: Vec<f64>,
     /// Whether both sides reflect and emit.
     pub two_sided: bool,
+    /// Mirror reflectance; older files have none.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub specular: f64,
+    /// Clear transmittance; older files have none.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub transmittance: f64,
+}
+
+fn is_none(part: &f64) -> bool {
+    *part == 0.0
 }
 
 impl LitSurface {
@@ -58,6 +68,8 @@ impl LitSurface {
             material: surface.material.name.clone(),
             reflectance: surface.material.reflectance.clone(),
             two_sided: surface.material.two_sided,
+            specular: surface.material.specular,
+            transmittance: surface.material.transmittance,
         };
         scene.surfaces.iter().map(of).collect()
     }
@@ -125,6 +137,15 @@ impl LitModel<'_> {
         }
         if let Some(s) = self.surfaces.iter().find(|s| s.reflectance.iter().any(|r| !r.is_finite())) {
             return Err(format!("surface '{}' has a reflectance that is not finite", s.name));
+        }
+        let is_whole =
+            |s: &LitSurface| s.specular >= 0.0 && s.transmittance >= 0.0 && s.specular + s.transmittance <= 1.0 + 1e-12;
+        if let Some(s) = self.surfaces.iter().find(|s| !is_whole(s)) {
+            return Err(format!(
+                "surface '{}' has a specular reflectance of {} and a transmittance of {}, which must be at least 0 and \
+                 together at most 1",
+                s.name, s.specular, s.transmittance
+            ));
         }
         if let Some(s) = self.patches.surface.iter().find(|&&s| s as usize >= self.surfaces.len()) {
             return Err(format!("a patch belongs to surface {s}, but there are {}", self.surfaces.len()));
@@ -224,6 +245,10 @@ struct MeshExtras {
 struct MaterialExtras<'a> {
     reflectance: &'a [f64],
     two_sided: bool,
+    #[serde(skip_serializing_if = "is_none")]
+    specular: f64,
+    #[serde(skip_serializing_if = "is_none")]
+    transmittance: f64,
 }
 
 /// The names of the attributes that carry a quantity, without their leading underscore, and their components.

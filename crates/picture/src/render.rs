@@ -2,14 +2,16 @@
 
 use std::f64::consts::FRAC_1_PI;
 
+use radiosity_exchange::Enclosure;
 use radiosity_geometry::Patches;
 use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_operator::{Cancelled, Control};
 use radiosity_scene::Camera;
 use rayon::prelude::*;
 
-use crate::Image;
-use crate::view::{Frame, Visible};
+use crate::beyond::{Beyond, Shown};
+use crate::view::{Facet, Frame, Visible};
+use crate::{Image, Sheets};
 
 /// What the patches show.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +20,15 @@ pub enum Shading<'a> {
     Patches(&'a [f64]),
     /// What its four corners have, interpolated: `n_patches x 4 x bands`, see [`Smoother`](crate::Smoother).
     Smooth(&'a [f64]),
+}
+
+/// What patches reflect as plane mirrors do and let straight through, one part each of what meets every patch.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirrors<'a> {
+    /// Mirror reflectance.
+    pub specular: &'a [f64],
+    /// Clear transmittance.
+    pub transmittance: &'a [f64],
 }
 
 /// How a picture is made.
@@ -60,50 +71,152 @@ pub fn render(
     settings: &RenderSettings,
     control: &Control,
 ) -> Result<Image, Cancelled> {
-    let (values, per_patch) = match shading {
-        Shading::Patches(values) => (values, 1),
-        Shading::Smooth(values) => (values, 4),
+    shading.check(patches, bands);
+    let visible = Visible::new(patches, camera.position, settings.culls_backs, |_| false);
+    let add = |_: &Ray, hit: &Hit, sum: &mut [f64]| {
+        if hit.is_miss() {
+            settings.add_background(1.0, sum);
+        } else if let Some(facet) = visible.facet(hit) {
+            shading.add(facet.patch as usize, facet.corner_weights(hit), settings.scale, sum);
+        }
     };
-    assert_eq!(values.len(), patches.len() * per_patch * bands, "values fit the patches");
-    assert!(settings.background.is_empty() || settings.background.len() == bands, "one background value per band");
-    let (width, height) = (settings.width, settings.height);
-    let mut image = Image { width, height, bands, pixels: vec![0.0; width * height * bands] };
-    if image.pixels.is_empty() {
-        return Ok(image);
+    View::new(&visible, bands, camera, settings, add).picture(control)
+}
+
+/// The same with mirrors and clear glass, in which a camera sees what there is to see; backs of two-sided patches may be
+/// patches of their own, see [`Sheets`]. A ray goes on from at most 64 of them and while more than 1/4096 of it is
+/// left; what remains is black.
+///
+/// # Errors
+/// If `control` is cancelled.
+///
+/// # Panics
+/// If the values do not fit the patches, or the background the bands.
+pub fn render_with_mirrors(
+    patches: &Patches,
+    mirrors: Mirrors,
+    shading: Shading,
+    bands: usize,
+    camera: &Camera,
+    settings: &RenderSettings,
+    control: &Control,
+) -> Result<Image, Cancelled> {
+    shading.check(patches, bands);
+    let sheets = Sheets::new(patches);
+    let of_sides = match shading {
+        Shading::Patches(values) => sheets.of_sides(values, bands),
+        Shading::Smooth(values) => sheets.corners_of_sides(patches, values, bands),
+    };
+    let values: Vec<f64> = of_sides.iter().map(|&v| f64::from(v)).collect();
+    let of_sides = match shading {
+        Shading::Patches(_) => Shading::Patches(&values),
+        Shading::Smooth(_) => Shading::Smooth(&values),
+    };
+    let (specular, transmittance) = (sheets.of_patches(mirrors.specular), sheets.of_patches(mirrors.transmittance));
+    let enclosure = Enclosure::new(sheets.patches).with_specular(specular, transmittance);
+    let Some(specular) = enclosure.specular() else {
+        return render(patches, shading, bands, camera, settings, control);
+    };
+    let beyond = Beyond { enclosure: &enclosure, specular, culls_backs: settings.culls_backs };
+    let is_glass = |patch: usize| specular.transmittance(patch) > 0.0;
+    let visible = Visible::new(enclosure.patches(), camera.position, settings.culls_backs, is_glass);
+    let add = |ray: &Ray, hit: &Hit, sum: &mut [f64]| {
+        if hit.is_miss() {
+            return settings.add_background(1.0, sum);
+        }
+        let Some(facet) = visible.facet(hit) else { return };
+        let patch = facet.patch as usize;
+        if let Some(side) = side_of(&enclosure, &facet) {
+            of_sides.add(side, facet.corner_weights(hit), settings.scale, sum);
+        }
+        if beyond.is_of(patch) {
+            let on = facet.point(enclosure.patches(), hit);
+            beyond.all(patch, on, ray.direction, |weight, shown| match shown {
+                Shown::Side { side, corners, .. } => of_sides.add(side, corners, weight * settings.scale, sum),
+                Shown::Nothing => settings.add_background(weight, sum),
+            });
+        }
+    };
+    View::new(&visible, bands, camera, settings, add).picture(control)
+}
+
+/// The side that a facet shows; none of the back of one-sided glass.
+pub(crate) fn side_of(enclosure: &Enclosure, facet: &Facet) -> Option<usize> {
+    let patch = facet.patch as usize;
+    if facet.is_back { enclosure.back_of(patch) } else { Some(patch) }
+}
+
+impl Shading<'_> {
+    fn check(&self, patches: &Patches, bands: usize) {
+        let (values, per_patch) = match self {
+            Self::Patches(values) => (values, 1),
+            Self::Smooth(values) => (values, 4),
+        };
+        assert_eq!(values.len(), patches.len() * per_patch * bands, "values fit the patches");
     }
-    control.expect(height as u64);
-    let view = View {
-        visible: Visible::new(patches, camera.position, settings.culls_backs),
-        frame: Frame::new(camera, width, height),
-        offsets: offsets(settings.samples),
-        shading,
-        bands,
-        settings,
-    };
-    image.pixels.par_chunks_exact_mut(width * bands).enumerate().try_for_each(|(row, pixels)| {
-        control.check()?;
-        view.render_row(row, pixels);
-        control.advance(1);
-        Ok(())
-    })?;
-    Ok(image)
+
+    /// Adds `weight` times the value at a place, the `index`-th patch or side of those that there are values of.
+    fn add(&self, index: usize, corner_weights: [f64; 4], weight: f64, sum: &mut [f64]) {
+        let bands = sum.len();
+        match self {
+            Self::Patches(values) => {
+                sum.iter_mut().zip(&values[index * bands..]).for_each(|(sum, v)| *sum += weight * v);
+            }
+            Self::Smooth(values) => {
+                let corners = &values[4 * index * bands..];
+                for (k, share) in corner_weights.into_iter().enumerate() {
+                    let corner = &corners[k * bands..][..bands];
+                    sum.iter_mut().zip(corner).for_each(|(sum, v)| *sum += weight * share * v);
+                }
+            }
+        }
+    }
+}
+
+impl RenderSettings {
+    fn add_background(&self, weight: f64, sum: &mut [f64]) {
+        sum.iter_mut().zip(&self.background).for_each(|(sum, b)| *sum += weight * f64::from(*b));
+    }
 }
 
 /// How many rays are held in memory at once by each thread, unless a single pixel has more.
 const RAYS_AT_ONCE: usize = 1 << 14;
 
 /// Everything that one picture needs.
-struct View<'a> {
-    visible: Visible,
+struct View<'a, Add> {
+    visible: &'a Visible,
     frame: Frame,
     /// Where the rays of a pixel pass through it, in [0, 1).
     offsets: Vec<[f64; 2]>,
-    shading: Shading<'a>,
     bands: usize,
     settings: &'a RenderSettings,
+    /// Adds what a ray sees.
+    add: Add,
 }
 
-impl View<'_> {
+impl<'a, Add: Fn(&Ray, &Hit, &mut [f64]) + Sync> View<'a, Add> {
+    fn new(visible: &'a Visible, bands: usize, camera: &Camera, settings: &'a RenderSettings, add: Add) -> Self {
+        assert!(settings.background.is_empty() || settings.background.len() == bands, "one background value per band");
+        let frame = Frame::new(camera, settings.width, settings.height);
+        Self { visible, frame, offsets: offsets(settings.samples), bands, settings, add }
+    }
+
+    fn picture(&self, control: &Control) -> Result<Image, Cancelled> {
+        let (width, height, bands) = (self.settings.width, self.settings.height, self.bands);
+        let mut image = Image { width, height, bands, pixels: vec![0.0; width * height * bands] };
+        if image.pixels.is_empty() {
+            return Ok(image);
+        }
+        control.expect(height as u64);
+        image.pixels.par_chunks_exact_mut(width * bands).enumerate().try_for_each(|(row, pixels)| {
+            control.check()?;
+            self.render_row(row, pixels);
+            control.advance(1);
+            Ok(())
+        })?;
+        Ok(image)
+    }
+
     fn render_row(&self, row: usize, pixels: &mut [f32]) {
         let columns_at_once = (RAYS_AT_ONCE / self.offsets.len()).max(1);
         for (i, part) in pixels.chunks_mut(columns_at_once * self.bands).enumerate() {
@@ -119,35 +232,14 @@ impl View<'_> {
             .collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         self.visible.bvh.closest_hits(&rays, &mut hits);
+        let each = self.offsets.len();
         let mut sum = vec![0.0; self.bands];
-        for (pixel, hits) in pixels.chunks_exact_mut(self.bands).zip(hits.chunks_exact(self.offsets.len())) {
+        let of_pixels = rays.chunks_exact(each).zip(hits.chunks_exact(each));
+        for (pixel, (rays, hits)) in pixels.chunks_exact_mut(self.bands).zip(of_pixels) {
             sum.fill(0.0);
-            hits.iter().for_each(|hit| self.add(hit, &mut sum));
+            rays.iter().zip(hits).for_each(|(ray, hit)| (self.add)(ray, hit, &mut sum));
             for (value, sum) in pixel.iter_mut().zip(&sum) {
-                *value = (sum / self.offsets.len() as f64) as f32;
-            }
-        }
-    }
-
-    /// Adds what a ray sees.
-    fn add(&self, hit: &Hit, sum: &mut [f64]) {
-        let (bands, scale) = (self.bands, self.settings.scale);
-        if hit.is_miss() {
-            sum.iter_mut().zip(&self.settings.background).for_each(|(sum, b)| *sum += f64::from(*b));
-            return;
-        }
-        let Some(facet) = self.visible.facet(hit) else { return };
-        let patch = facet.patch as usize;
-        match self.shading {
-            Shading::Patches(values) => {
-                sum.iter_mut().zip(&values[patch * bands..]).for_each(|(sum, v)| *sum += scale * v);
-            }
-            Shading::Smooth(values) => {
-                let corners = &values[4 * patch * bands..];
-                for (k, weight) in facet.corner_weights(hit).into_iter().enumerate() {
-                    let corner = &corners[k * bands..][..bands];
-                    sum.iter_mut().zip(corner).for_each(|(sum, v)| *sum += scale * weight * v);
-                }
+                *value = (sum / each as f64) as f32;
             }
         }
     }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::FRAC_1_PI;
 
+use glam::DVec3;
+use radiosity_exchange::images::survival;
 use radiosity_geometry::Patches;
 use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_geometry::sampling::Sequence;
@@ -11,7 +13,8 @@ use radiosity_scene::Camera;
 use rayon::prelude::*;
 
 use crate::Image;
-use crate::render::offsets;
+use crate::beyond::{Beyond, Shown};
+use crate::render::{offsets, side_of};
 use crate::view::{Frame, Visible};
 
 /// What surfaces show of what arrives: sides x bands each.
@@ -65,7 +68,8 @@ pub fn paths_per_point(samples: u32) -> u32 {
 
 /// Traces paths from what a camera sees; every tile of every round is a step of `control`.
 ///
-/// The same input gives the same bytes on any number of threads.
+/// The same input gives the same bytes on any number of threads. Radiance is also seen in mirrors and through clear
+/// glass; irradiance is that of the mirror or pane itself.
 ///
 /// # Errors
 /// If `control` is cancelled.
@@ -87,11 +91,18 @@ pub fn trace(
     }
     let paths = settings.paths_per_point.clamp(1, settings.effort.per_round);
     let points = settings.effort.per_round.div_ceil(paths);
+    let beyond = tracer.enclosure().specular().map(|specular| Beyond {
+        enclosure: tracer.enclosure(),
+        specular,
+        culls_backs: settings.culls_backs,
+    });
+    let is_glass = |patch: usize| beyond.is_some_and(|beyond| beyond.specular.transmittance(patch) > 0.0);
     let film = Film {
         tracer,
         surfaces,
         patches,
-        visible: Visible::new(patches, camera.position, settings.culls_backs),
+        visible: Visible::new(patches, camera.position, settings.culls_backs, is_glass),
+        beyond: beyond.filter(|_| matches!(surfaces, Surfaces::Radiance { .. })),
         frame: Frame::new(camera, width, height),
         width,
         each: settings.effort.per_round,
@@ -129,6 +140,9 @@ const PATHS_AT_ONCE: usize = 4096;
 
 /// The stream of the sequence that spreads rays over a pixel.
 const STREAM: u32 = 9;
+
+/// The stream of the sequence that chooses what is seen in mirrors and through panes.
+const SPECULAR: u32 = 10;
 
 /// A rectangle of the picture.
 struct Tile {
@@ -183,6 +197,8 @@ struct Film<'a> {
     surfaces: Surfaces<'a>,
     patches: &'a Patches,
     visible: Visible,
+    /// If mirrors and panes show what is beyond.
+    beyond: Option<Beyond<'a>>,
     frame: Frame,
     width: usize,
     /// Paths per pixel and round.
@@ -200,8 +216,8 @@ struct Buffers {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     starts: Vec<Start>,
-    /// The pixel within the tile and the side that each path starts for.
-    owners: Vec<(u32, u32)>,
+    /// The pixel within the tile and the side that each path starts for, and what it weighs.
+    owners: Vec<(u32, u32, f32)>,
     irradiance: Vec<f32>,
     pixels: Vec<f64>,
     walk: Walk,
@@ -217,7 +233,7 @@ impl Film<'_> {
         for first in (0..count).step_by(at_once) {
             let pixels = first..(first + at_once).min(count);
             self.look(buffers, tile, pixels.clone(), round);
-            self.begin(buffers, tile, pixels);
+            self.begin(buffers, tile, pixels, round);
             buffers.irradiance.resize(buffers.starts.len() * self.tracer.bands(), 0.0);
             buffers.walk.irradiance(self.tracer, &buffers.starts, round, &mut buffers.irradiance);
             self.reflect(buffers);
@@ -260,33 +276,60 @@ impl Film<'_> {
     }
 
     /// Adds what surfaces emit that were seen, and has paths start from them.
-    fn begin(&self, buffers: &mut Buffers, tile: &Tile, pixels: std::ops::Range<usize>) {
+    fn begin(&self, buffers: &mut Buffers, tile: &Tile, pixels: std::ops::Range<usize>, round: u32) {
         let (enclosure, bands, points) = (self.tracer.enclosure(), self.tracer.bands(), self.points() as usize);
         buffers.starts.clear();
         buffers.owners.clear();
-        for (pixel, hits) in pixels.zip(buffers.hits.chunks_exact(points)) {
+        let seen = buffers.rays.chunks_exact(points).zip(buffers.hits.chunks_exact(points));
+        for (pixel, (rays, hits)) in pixels.zip(seen) {
             let key = self.key(self.place(tile, pixel));
-            for (hit, point) in hits.iter().zip(0..) {
-                let Some(facet) = self.visible.facet(hit) else { continue };
-                let patch = facet.patch as usize;
-                let side = if facet.is_back { enclosure.back_of(patch).unwrap_or(patch) } else { patch };
+            let sequence = Sequence::new(self.tracer.seed(), key, round, SPECULAR);
+            for ((ray, hit), index) in rays.iter().zip(hits).zip(0..) {
+                let seen = self.seen(ray, hit, |met| survival(&sequence, index, met));
+                let Some((weight, side, point)) = seen else { continue };
                 if let Surfaces::Radiance { emission, reflectance } = self.surfaces {
                     let sums = &mut buffers.pixels[pixel * bands..][..bands];
-                    let scale = FRAC_1_PI / points as f64;
+                    let scale = weight * FRAC_1_PI / points as f64;
                     sums.iter_mut().zip(&emission[side * bands..]).for_each(|(sum, &e)| *sum += scale * f64::from(e));
                     if reflectance[side * bands..][..bands].iter().all(|&rho| rho == 0.0) {
                         continue;
                     }
                 }
-                let start = Start {
-                    point: enclosure.off(side, facet.point(self.patches, hit)),
-                    normal: enclosure.normal(side),
-                    key,
-                    index: 0,
-                };
-                let indices = (0..self.paths).map(|path| point * self.paths + path);
+                let start = Start { point, normal: enclosure.normal(side), key, index: 0 };
+                let indices = (0..self.paths).map(|path| index * self.paths + path);
                 buffers.starts.extend(indices.map(|index| Start { index, ..start }));
-                buffers.owners.extend((0..self.paths).map(|_| (pixel as u32, side as u32)));
+                buffers.owners.extend((0..self.paths).map(|_| (pixel as u32, side as u32, weight as f32)));
+            }
+        }
+    }
+
+    /// Whether a side neither emits nor reflects diffusely.
+    fn is_dark(&self, side: usize) -> bool {
+        let bands = self.tracer.bands();
+        match self.surfaces {
+            Surfaces::Irradiance => false,
+            Surfaces::Radiance { emission, reflectance } => {
+                let of_side = |values: &[f32]| values[side * bands..][..bands].iter().all(|&v| v == 0.0);
+                of_side(emission) && of_side(reflectance)
+            }
+        }
+    }
+
+    /// What a ray shows of a side, the side and the point just off it.
+    fn seen(&self, ray: &Ray, hit: &Hit, survival: impl Fn(u32) -> f64) -> Option<(f64, usize, DVec3)> {
+        let enclosure = self.tracer.enclosure();
+        let facet = self.visible.facet(hit)?;
+        let (patch, on) = (facet.patch as usize, facet.point(self.patches, hit));
+        let side = side_of(enclosure, &facet);
+        let first = side.map(|side| (side, enclosure.off(side, on)));
+        match self.beyond.filter(|beyond| beyond.is_of(patch)) {
+            None => first.map(|(side, point)| (1.0, side, point)),
+            Some(beyond) => {
+                let first = first.map(|(side, point)| Shown::Side { side, point, corners: facet.corner_weights(hit) });
+                match beyond.one((patch, first), (on, ray.direction), |side| self.is_dark(side), survival)? {
+                    (weight, Shown::Side { side, point, .. }) => Some((weight, side, point)),
+                    (_, Shown::Nothing) => None,
+                }
             }
         }
     }
@@ -295,8 +338,9 @@ impl Film<'_> {
     fn reflect(&self, buffers: &mut Buffers) {
         let bands = self.tracer.bands();
         let share = 1.0 / f64::from(self.points() * self.paths);
-        for (&(pixel, side), found) in buffers.owners.iter().zip(buffers.irradiance.chunks_exact(bands)) {
+        for (&(pixel, side, weight), found) in buffers.owners.iter().zip(buffers.irradiance.chunks_exact(bands)) {
             let sums = &mut buffers.pixels[pixel as usize * bands..][..bands];
+            let share = share * f64::from(weight);
             match self.surfaces {
                 Surfaces::Irradiance => {
                     sums.iter_mut().zip(found).for_each(|(sum, &h)| *sum += share * f64::from(h));

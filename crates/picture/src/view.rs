@@ -12,7 +12,7 @@ use radiosity_scene::Camera;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facet {
     pub patch: u32,
-    /// Whether the back of a two-sided patch is seen.
+    /// Whether the back is seen, of a patch that has two sides or is glass.
     pub is_back: bool,
     part: Part,
 }
@@ -59,13 +59,14 @@ pub(crate) struct Visible {
 }
 
 impl Visible {
-    pub fn new(patches: &Patches, eye: DVec3, culls_backs: bool) -> Self {
+    /// Backs of one-sided patches that `is_glass` are seen, though nothing is lit on them.
+    pub fn new(patches: &Patches, eye: DVec3, culls_backs: bool, is_glass: impl Fn(usize) -> bool) -> Self {
         let (mut fronts, mut backs) = (Vec::new(), Vec::new());
         for patch in 0..patches.len() {
             for (part, triangle) in parts(patches, patch) {
                 let [a, b, c] = triangle.map(|p| p - eye);
                 let is_back = (b - a).cross(c - a).dot(a) >= 0.0;
-                let is_lit = patches.two_sided[patch] || !is_back;
+                let is_lit = patches.two_sided[patch] || !is_back || is_glass(patch);
                 if is_lit || !culls_backs {
                     let facet = Facet { patch: patch as u32, is_back, part };
                     let list = if is_lit { &mut fronts } else { &mut backs };

@@ -169,6 +169,8 @@ mod tests {
             material: "paint".into(),
             reflectance: vec![0.5, 0.25],
             two_sided: false,
+            specular: 0.0,
+            transmittance: 0.0,
         };
         LitData {
             patches,

@@ -84,3 +84,18 @@ pub fn block_in(array: &PyReadonlyArray2<'_, f64>, rows: usize, columns: usize, 
 pub fn vec3(v: [f64; 3]) -> DVec3 {
     DVec3::from_array(v)
 }
+
+/// Mirror reflectance and transmittance of patches from (n, 2).
+pub fn going_on_in(array: &PyReadonlyArray2<'_, f64>, n: usize) -> PyResult<[Vec<f64>; 2]> {
+    let values = block_in(array, n, 2, "specular and transmittance")?;
+    if let Some(patch) =
+        values.chunks_exact(2).position(|p| !(p[0] >= 0.0 && p[1] >= 0.0 && p[0] + p[1] <= 1.0 + 1e-12))
+    {
+        return Err(PyValueError::new_err(format!(
+            "patch {patch}: specular {} and transmittance {} must be at least 0 and together at most 1",
+            values[2 * patch],
+            values[2 * patch + 1]
+        )));
+    }
+    Ok([0, 1].map(|part| values.iter().skip(part).step_by(2).copied().collect()))
+}

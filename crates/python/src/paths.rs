@@ -58,6 +58,31 @@ fn reflectance_in(array: &PyReadonlyArray2<'_, f64>, n: usize, bands: usize) -> 
     }
 }
 
+/// Parts of a whole: what patches reflect diffusely must be no more than what mirrors and panes leave.
+fn check_whole(reflectance: &[f64], bands: usize, going_on: Option<&[Vec<f64>; 2]>) -> PyResult<()> {
+    let Some([specular, transmittance]) = going_on else { return Ok(()) };
+    let left = |patch: usize| 1.0 - specular[patch] - transmittance[patch];
+    match reflectance.iter().enumerate().find(|(i, rho)| **rho > left(i / bands) + 1e-9) {
+        None => Ok(()),
+        Some((i, rho)) => Err(PyValueError::new_err(format!(
+            "patch {}: reflectance {rho}, specular {} and transmittance {} are together more than 1",
+            i / bands,
+            specular[i / bands],
+            transmittance[i / bands]
+        ))),
+    }
+}
+
+/// Sheets as rays see them, of which some are mirrors and panes.
+fn enclosure_of(sheets: Sheets, going_on: Option<&[Vec<f64>; 2]>) -> radiosity_exchange::Enclosure {
+    let parts = going_on.map(|parts| parts.each_ref().map(|part| sheets.of_patches(part)));
+    let enclosure = radiosity_exchange::Enclosure::new(sheets.patches);
+    match parts {
+        None => enclosure,
+        Some([specular, transmittance]) => enclosure.with_specular(specular, transmittance),
+    }
+}
+
 fn traced_out(py: Python<'_>, traced: Traced) -> PyResult<TracedOut<'_>> {
     let (image, error) = (image_out(py, traced.image)?, image_out(py, traced.standard_error)?);
     Ok((image, error, traced.rounds.samples, traced.rounds.error, traced.rays))
@@ -67,7 +92,7 @@ fn traced_out(py: Python<'_>, traced: Traced) -> PyResult<TracedOut<'_>> {
 /// their own. The standard error is NaN: samples of a pixel come as one set.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, irradiance, radiosity, lights, camera, width, height, samples, show,
-                    seed, threads=None, progress=None))]
+                    seed, going_on=None, threads=None, progress=None))]
 fn gather<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -82,6 +107,7 @@ fn gather<'py>(
     samples: u32,
     show: &str,
     seed: u64,
+    going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<TracedOut<'py>> {
@@ -91,6 +117,8 @@ fn gather<'py>(
     let reflectance = reflectance_in(&reflectance, n, bands)?;
     let irradiance = convert::block_in(&irradiance, n, bands, "irradiance")?;
     let radiosity = convert::block_in(&radiosity, n, bands, "radiosity")?;
+    let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
+    check_whole(&reflectance, bands, going_on.as_ref())?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     shown(show, &[], &[])?;
     let settings = TraceSettings {
@@ -106,7 +134,7 @@ fn gather<'py>(
         let corners = smoother.corner_radiosity_of_patches(&radiosity, &irradiance, &reflectance, bands);
         let exitance = Exitance::Corners(sheets.corners_of_sides(&given, &corners, bands));
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
-        let enclosure = radiosity_exchange::Enclosure::new(sheets.patches);
+        let enclosure = enclosure_of(sheets, going_on.as_ref());
         let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed);
         let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
         radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
@@ -118,7 +146,7 @@ fn gather<'py>(
 /// the most.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, lights, camera, width, height, samples, accuracy, show, seed,
-                    threads=None, progress=None))]
+                    going_on=None, threads=None, progress=None))]
 fn path_trace<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -132,6 +160,7 @@ fn path_trace<'py>(
     accuracy: Option<f64>,
     show: &str,
     seed: u64,
+    going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<TracedOut<'py>> {
@@ -139,6 +168,8 @@ fn path_trace<'py>(
     let (n, bands) = (given.len(), emission.as_array().ncols());
     let emission = convert::block_in(&emission, n, bands, "emission")?;
     let reflectance = reflectance_in(&reflectance, n, bands)?;
+    let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
+    check_whole(&reflectance, bands, going_on.as_ref())?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     let effort = effort_in(samples, accuracy)?;
     shown(show, &[], &[])?;
@@ -146,7 +177,7 @@ fn path_trace<'py>(
     let traced = watch::run(py, threads, progress.as_ref(), |control| {
         let sheets = Sheets::new(&given);
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
-        let enclosure = radiosity_exchange::Enclosure::new(sheets.patches);
+        let enclosure = enclosure_of(sheets, going_on.as_ref());
         let exitance = Exitance::Uniform(emission.clone());
         let tracer = Tracer::paths(&enclosure, bands, exitance, reflectance.clone(), lights, seed);
         let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
@@ -177,6 +208,15 @@ fn path_irradiance<'py>(
     let (n, bands) = (enclosure.patches().len(), emission.as_array().ncols());
     let emission = convert::block_in(&emission, n, bands, "emission")?;
     let reflectance = reflectance_in(&reflectance, n, bands)?;
+    let share = |i: usize| enclosure.specular().map_or(1.0, |specular| specular.diffuse_share(i / bands));
+    if let Some(i) = (0..reflectance.len()).find(|&i| reflectance[i] > share(i) + 1e-9) {
+        return Err(PyValueError::new_err(format!(
+            "patch {}: reflectance {} is more than the {} that its specular reflectance and transmittance leave",
+            i / bands,
+            reflectance[i],
+            share(i)
+        )));
+    }
     let lights = lights_in(lights, bands)?;
     let effort = effort_in(samples, accuracy)?;
     let places = match (points, normals) {

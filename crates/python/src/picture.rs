@@ -8,7 +8,8 @@ use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3}
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use radiosity_picture::{
-    ColourMap, ColourScale, Exposure, Image, LitModel, LitSurface, RenderSettings, Shading, Smoother, ToneCurve, tone,
+    ColourMap, ColourScale, Exposure, Image, LitModel, LitSurface, Mirrors, RenderSettings, Shading, Smoother,
+    ToneCurve, tone,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,8 +24,8 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(write_exr, module)?)
 }
 
-/// name, material, reflectance, two_sided.
-type SurfaceTuple = (String, String, Vec<f64>, bool);
+/// name, material, reflectance, two_sided, specular, transmittance.
+type SurfaceTuple = (String, String, Vec<f64>, bool, f64, f64);
 /// Emission, irradiance, radiosity, error.
 type BlocksIn<'py> = [PyReadonlyArray2<'py, f64>; 4];
 
@@ -58,7 +59,14 @@ impl Lit {
         ];
         let surfaces = surfaces
             .into_iter()
-            .map(|(name, material, reflectance, two_sided)| LitSurface { name, material, reflectance, two_sided })
+            .map(|(name, material, reflectance, two_sided, specular, transmittance)| LitSurface {
+                name,
+                material,
+                reflectance,
+                two_sided,
+                specular,
+                transmittance,
+            })
             .collect();
         let cameras = cameras.into_iter().map(camera_in).collect();
         let lights = lights.map(|lights| lights.into_iter().map(light_in).collect::<PyResult<_>>()).transpose()?;
@@ -136,7 +144,8 @@ fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
     let bands = lit.bands.len();
     let blocks =
         [lit.emission, lit.irradiance, lit.radiosity, lit.error].map(|block| convert::block_out(py, block, bands));
-    let surfaces = lit.surfaces.into_iter().map(|s| (s.name, s.material, s.reflectance, s.two_sided)).collect();
+    let surface = |s: LitSurface| (s.name, s.material, s.reflectance, s.two_sided, s.specular, s.transmittance);
+    let surfaces = lit.surfaces.into_iter().map(surface).collect();
     let cameras = lit.cameras.iter().map(camera_out).collect();
     let lights = lit.lights.map(|lights| lights.iter().map(light_out).collect());
     Ok(Some((lit.patches.into(), surfaces, lit.bands, blocks, cameras, lights, lit.report_json)))
@@ -145,10 +154,11 @@ fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
 /// Renders values on patches as a camera sees them, (height, width, bands) float32.
 ///
 /// `irradiance` and `reflectance` (per surface) are given for radiosity, whose smooth shading keeps lamps and paints
-/// apart; other quantities are smoothed as they are.
+/// apart; other quantities are smoothed as they are. `going_on` is (n, 2), the mirror reflectance and transmittance of
+/// patches in which there is to be seen what is beyond.
 #[pyfunction]
 #[pyo3(signature = (patches, values, camera, width, height, samples, scale, smooth, irradiance=None, reflectance=None,
-                    threads=None, progress=None))]
+                    going_on=None, threads=None, progress=None))]
 fn render<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -161,6 +171,7 @@ fn render<'py>(
     smooth: bool,
     irradiance: Option<PyReadonlyArray2<'py, f64>>,
     reflectance: Option<Vec<Vec<f64>>>,
+    going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
@@ -170,16 +181,22 @@ fn render<'py>(
     let irradiance = irradiance.map(|h| convert::block_in(&h, patches.len(), bands, "irradiance")).transpose()?;
     let camera = camera_in(camera);
     let settings = RenderSettings { width, height, samples, scale, ..RenderSettings::default() };
+    let going_on = going_on.map(|parts| convert::going_on_in(&parts, patches.len())).transpose()?;
     let image = watch::run(py, threads, progress.as_ref(), |control| {
-        if !smooth {
-            return radiosity_picture::render(&patches, Shading::Patches(&values), bands, &camera, &settings, control);
-        }
-        let smoother = Smoother::new(&patches, radiosity_geometry::corners::CREASE_ANGLE);
+        let smoother = || Smoother::new(&patches, radiosity_geometry::corners::CREASE_ANGLE);
         let corners = match (&irradiance, &reflectance) {
-            (Some(h), Some(rho)) => smoother.corner_radiosity(&values, h, rho, bands),
-            _ => smoother.corner_values(&values, bands),
+            _ if !smooth => Vec::new(),
+            (Some(h), Some(rho)) => smoother().corner_radiosity(&values, h, rho, bands),
+            _ => smoother().corner_values(&values, bands),
         };
-        radiosity_picture::render(&patches, Shading::Smooth(&corners), bands, &camera, &settings, control)
+        let shading = if smooth { Shading::Smooth(&corners) } else { Shading::Patches(&values) };
+        match &going_on {
+            None => radiosity_picture::render(&patches, shading, bands, &camera, &settings, control),
+            Some([specular, transmittance]) => {
+                let mirrors = Mirrors { specular, transmittance };
+                radiosity_picture::render_with_mirrors(&patches, mirrors, shading, bands, &camera, &settings, control)
+            }
+        }
     })?;
     let image = image.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?;
     image_out(py, image)

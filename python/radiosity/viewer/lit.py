@@ -62,7 +62,7 @@ class Lit:
 
     def light_packet(self, seconds: float, *, is_final: bool = True) -> bytes:
         """The light alone, for a page that has the patches."""
-        reflectance = [list(rho) for _, _, rho, _ in self.model.surfaces]
+        reflectance = [list(rho) for _, _, rho, *_ in self.model.surfaces]
         return pack(LightHead(reflectance, seconds, is_final, self.model.report), self._light())
 
     def _light(self) -> dict[str, npt.NDArray[Any]]:
@@ -96,7 +96,7 @@ def _surfaces(model: LitModel) -> list[SurfaceHead]:
     emission = np.stack([np.bincount(surface, area * band, n) / whole for band in model.emission.T], axis=1)
     return [
         SurfaceHead(name, material, list(rho), emission[k].tolist(), float(whole[k]))
-        for k, (name, material, rho, _) in enumerate(model.surfaces)
+        for k, (name, material, rho, *_) in enumerate(model.surfaces)
     ]
 
 

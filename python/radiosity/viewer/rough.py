@@ -76,7 +76,10 @@ def lit(snapshot: Snapshot) -> LitModel:
 def _model(patches: Patches, irradiance: Floats, radiosity: Floats, report: dict[str, Any]) -> LitModel:
     scene = patches.scene
     table = [np.broadcast_to(np.asarray(s.reflectance, dtype=np.float64), len(scene.bands)) for s in scene.surfaces]
-    surfaces = [(s.name, s.material, rho.tolist(), False) for s, rho in zip(scene.surfaces, table, strict=True)]
+    surfaces = [
+        (s.name, s.material, rho.tolist(), False, *scene._going_on(s))
+        for s, rho in zip(scene.surfaces, table, strict=True)
+    ]
     unknown = np.full_like(irradiance, np.nan)
     return LitModel(
         patches._native, surfaces, list(scene.bands), patches.emission, irradiance, radiosity, unknown,

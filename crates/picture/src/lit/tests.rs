@@ -29,6 +29,8 @@ fn sample(bands: usize) -> LitData {
         material: format!("{name} paint"),
         reflectance: (0..bands).map(|k| 0.1 + 0.1 * k as f64).collect(),
         two_sided,
+        specular: if two_sided { 0.25 } else { 0.0 },
+        transmittance: if two_sided { 0.5 } else { 0.0 },
     };
     LitData {
         patches,

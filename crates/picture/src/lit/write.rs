@@ -240,7 +240,12 @@ impl Assembly {
             double_sided: surface.two_sided,
             pbr_metallic_roughness: diffuse,
             extensions: Some(unlit),
-            extras: extras(MaterialExtras { reflectance: &surface.reflectance, two_sided: surface.two_sided })?,
+            extras: extras(MaterialExtras {
+                reflectance: &surface.reflectance,
+                two_sided: surface.two_sided,
+                specular: surface.specular,
+                transmittance: surface.transmittance,
+            })?,
             ..json::Material::default()
         }))
     }
