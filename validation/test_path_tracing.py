@@ -215,7 +215,8 @@ def test_pictures_show_the_room_in_the_mirror(camera: int) -> None:
         # A gather finds the lamp in the mirror by rays, as paths do, and so with their noise.
         noise = np.mean(truth.standard_error[inner] ** 2) * (1 + (2048 / samples if mode == "gather" else 0))
         assert np.sqrt(max(np.mean(difference**2) - noise, 0)) < bound * truth.image[inner].mean(), mode
-        assert abs(difference.mean()) < 0.015 * truth.image[inner].mean(), mode
+        # Of patches that are seen in part, single values tell the mean of the whole.
+        assert abs(difference.mean()) < (0.03 if mode == "patches" else 0.015) * truth.image[inner].mean(), mode
 
 
 def test_a_mirror_shows_the_room_as_if_it_went_on_behind_it() -> None:
