@@ -93,7 +93,7 @@ class LitModel:
         count = np.maximum(np.bincount(surface, minlength=n), 1)
         means = np.stack([np.bincount(surface, band, n) for band in reflectance.T], axis=1) / count[:, None]
         surfaces = [
-            (name, paint, rho.tolist(), both) for (name, paint, _, both), rho in zip(self.surfaces, means, strict=True)
+            (name, paint, rho.tolist(), *rest) for (name, paint, _, *rest), rho in zip(self.surfaces, means, strict=True)
         ]
         return replace(
             self,
