@@ -41,7 +41,7 @@ struct Optics {
 
 /// The greatest roughness of mirrors and clear glass: its square, the width of the lobe (Walter et al. 2007), is then
 /// 0.01, half a degree or so, and what is seen in it is seen sharply from most of a room.
-const SMOOTH: f64 = 0.1;
+const SMOOTH: f64 = 0.1_f32 as f64; // files are read in single precision
 
 /// One level of an 8-bit texture is noise.
 const NOISE: f64 = 1.0 / 255.0;
