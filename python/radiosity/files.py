@@ -93,7 +93,8 @@ class LitModel:
         count = np.maximum(np.bincount(surface, minlength=n), 1)
         means = np.stack([np.bincount(surface, band, n) for band in reflectance.T], axis=1) / count[:, None]
         surfaces = [
-            (name, paint, rho.tolist(), *rest) for (name, paint, _, *rest), rho in zip(self.surfaces, means, strict=True)
+            (name, paint, rho, *rest)
+            for (name, paint, _, *rest), rho in zip(self.surfaces, means.tolist(), strict=True)
         ]
         return replace(
             self,
