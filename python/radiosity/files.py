@@ -89,12 +89,10 @@ class LitModel:
 
     def with_light(self, emission: Floats, irradiance: Floats, reflectance: Floats) -> LitModel:
         """The same patches with other light and paint, (n, bands) each; of the error nothing new is known."""
-        n, surface = len(self.surfaces), self.patches.surface
-        count = np.maximum(np.bincount(surface, minlength=n), 1)
-        means = np.stack([np.bincount(surface, band, n) for band in reflectance.T], axis=1) / count[:, None]
+        means = _means(self.patches.surface, len(self.surfaces), reflectance)
         surfaces = [
             (name, paint, rho, *rest)
-            for (name, paint, _, *rest), rho in zip(self.surfaces, means.tolist(), strict=True)
+            for (name, paint, _, both, mirrored, passed), rho in zip(self.surfaces, means, strict=True)
         ]
         return replace(
             self,
@@ -112,10 +110,14 @@ class LitModel:
 
 def _surface_reflectance(solution: Solution) -> list[list[float]]:
     """Mean over its patches of each surface's reflectance in the solution, which relighting may have changed."""
-    surface, n = solution.patches.surface, len(solution.patches.scene.surfaces)
+    return _means(solution.patches.surface, len(solution.patches.scene.surfaces), solution.reflectance)
+
+
+def _means(surface: npt.NDArray[np.uint32], n: int, values: Floats) -> list[list[float]]:
+    """Mean of each of n surfaces over its patches, by band."""
     count = np.bincount(surface, minlength=n)
-    sums = np.stack([np.bincount(surface, band, n) for band in solution.reflectance.T], axis=1)
-    return [[float(r) for r in row] for row in sums / np.maximum(count, 1)[:, None]]
+    sums = np.stack([np.bincount(surface, band, n) for band in values.T], axis=1)
+    return [[float(x) for x in row] for row in sums / np.maximum(count, 1)[:, None]]
 
 
 def _light_of(solution: Solution, back: npt.NDArray[np.intp]) -> dict[str, Any]:
