@@ -91,7 +91,7 @@ class LitModel:
         """The same patches with other light and paint, (n, bands) each; of the error nothing new is known."""
         means = _means(self.patches.surface, len(self.surfaces), reflectance)
         surfaces = [
-            (name, paint, rho, *rest)
+            (name, paint, rho, both, mirrored, passed)
             for (name, paint, _, both, mirrored, passed), rho in zip(self.surfaces, means, strict=True)
         ]
         return replace(
