@@ -1,7 +1,7 @@
 //! Sides that shine much brighter than the rest, found by points on them.
 //!
 //! Lamps of one surface that look one way are a group. From a point, a group is chosen by what it could send there at
-//! best, a lamp of it by its power, a point of that evenly. Rays find lamps too; the two ways are weighed by the balance
+//! best, a lamp of it by its power, a point of that evenly. Rays find lamps too; the two ways are weighed by the power
 //! heuristic (Veach and Guibas 1995, *Optimally combining sampling techniques for Monte Carlo rendering*), so that every
 //! path counts once, and neither a lamp nearby nor one far away makes noise that the other way would not.
 
@@ -112,7 +112,8 @@ impl Lamps {
         let distance2 = to.length_squared();
         let cosines = normal.dot(to).max(0.0) * (-enclosure.normal(side).dot(to)).max(0.0);
         let kernel = cosines * FRAC_1_PI / (distance2 * distance2);
-        let weight = balanced(kernel, share * f64::from(self.density[side]));
+        let density = share * f64::from(self.density[side]);
+        let weight = if kernel > 0.0 { (kernel / density) as f32 * preferred(density, kernel) } else { 0.0 };
         (weight > 0.0).then_some(LampPoint { on: (side as u32, u, v), point, weight })
     }
 
@@ -132,7 +133,7 @@ impl Lamps {
         let cosines = normal.dot(direction).max(0.0) * (-enclosure.normal(side).dot(direction)).max(0.0);
         let kernel = cosines * FRAC_1_PI / (distance * distance).max(f64::MIN_POSITIVE);
         let share = self.groups[group as usize].importance(at, normal) / importance;
-        balanced(kernel, share * f64::from(self.density[side]))
+        preferred(kernel, share * f64::from(self.density[side]))
     }
 
     /// The group at a place in the sum of importances, its share, and how far into it the place is.
@@ -155,10 +156,12 @@ impl Lamps {
     }
 }
 
-/// The balance heuristic for one point and one ray, both in densities per area: the same factor for either.
+/// The power heuristic: what a find counts that was made with one density and could have been with another.
 #[inline]
-fn balanced(kernel: f64, density: f64) -> f32 {
-    if kernel > 0.0 { (kernel / (kernel + density)) as f32 } else { 0.0 }
+fn preferred(own: f64, other: f64) -> f32 {
+    // By the ratio, as squares of densities would overflow beside a lamp.
+    let ratio = other / own;
+    if own > 0.0 { (1.0 / (1.0 + ratio * ratio)) as f32 } else { 0.0 }
 }
 
 impl Group {

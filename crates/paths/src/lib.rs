@@ -22,7 +22,7 @@ mod walk;
 pub use exitance::Exitance;
 pub use lights::Light;
 pub use means::Means;
-pub use meter::{Measured, at_points, of_sides};
+pub use meter::{Measured, at_points, direct_of_sides, of_sides, rest_of_sides};
 pub use rounds::{Effort, Rounds, rounds};
 pub use tracer::{Start, Tracer};
 pub use walk::Walk;

@@ -45,7 +45,7 @@ pub fn at_points(
 ) -> Result<Measured, Cancelled> {
     assert_eq!(points.len(), normals.len(), "one normal per point");
     let weight = vec![1.0; points.len()];
-    measure(tracer, &weight, effort, control, |place, _, index| Start {
+    measure(tracer, &weight, effort, control, Walk::irradiance, |place, _, index| Start {
         point: tracer.enclosure.before(points[place], normals[place]),
         normal: normals[place],
         key: place as u32,
@@ -58,13 +58,44 @@ pub fn at_points(
 /// # Errors
 /// If `control` is cancelled.
 pub fn of_sides(tracer: &Tracer, effort: &Effort, control: &Control) -> Result<Measured, Cancelled> {
-    let enclosure = tracer.enclosure;
-    let area: Vec<f64> = (0..enclosure.sides()).map(|side| enclosure.area(side)).collect();
-    measure(tracer, &area, effort, control, |side, round, index| {
-        let [s, t, ..] = Sequence::new(tracer.seed, side as u32, round, STREAM).point(index);
-        Start { point: enclosure.point_off(side, s, t), normal: enclosure.normal(side), key: side as u32, index }
+    measure(tracer, &areas(tracer), effort, control, Walk::irradiance, |side, round, index| {
+        on_side(tracer, side, round, index)
     })
 }
+
+/// What of that [`Walk::direct`] counts.
+///
+/// # Errors
+/// If `control` is cancelled.
+pub fn direct_of_sides(tracer: &Tracer, effort: &Effort, control: &Control) -> Result<Measured, Cancelled> {
+    measure(tracer, &areas(tracer), effort, control, Walk::direct, |side, round, index| {
+        on_side(tracer, side, round, index)
+    })
+}
+
+/// What of that [`Walk::rest`] counts.
+///
+/// # Errors
+/// If `control` is cancelled.
+pub fn rest_of_sides(tracer: &Tracer, effort: &Effort, control: &Control) -> Result<Measured, Cancelled> {
+    measure(tracer, &areas(tracer), effort, control, Walk::rest, |side, round, index| {
+        on_side(tracer, side, round, index)
+    })
+}
+
+fn areas(tracer: &Tracer) -> Vec<f64> {
+    (0..tracer.enclosure.sides()).map(|side| tracer.enclosure.area(side)).collect()
+}
+
+/// A start on a side.
+fn on_side(tracer: &Tracer, side: usize, round: u32, index: u32) -> Start {
+    let enclosure = tracer.enclosure;
+    let [s, t, ..] = Sequence::new(tracer.seed, side as u32, round, STREAM).point(index);
+    Start { point: enclosure.point_off(side, s, t), normal: enclosure.normal(side), key: side as u32, index }
+}
+
+/// Which part of what arrives is estimated.
+type Estimate = fn(&mut Walk, &Tracer, &[Start], u32, &mut [f32]);
 
 /// Some places next to one another.
 struct Block {
@@ -78,6 +109,7 @@ fn measure(
     weight: &[f64],
     effort: &Effort,
     control: &Control,
+    estimate: Estimate,
     start: impl Fn(usize, u32, u32) -> Start + Sync,
 ) -> Result<Measured, Cancelled> {
     let (bands, at_once) = (tracer.bands, (AT_ONCE / effort.per_round as usize).max(1));
@@ -96,7 +128,7 @@ fn measure(
             let starts = places.flat_map(|place| (0..effort.per_round).map(move |index| (place, index)));
             buffers.starts.clear();
             buffers.starts.extend(starts.map(|(place, index)| start(place, round, index)));
-            buffers.measure(tracer, effort.per_round, round, block);
+            buffers.measure(tracer, estimate, (effort.per_round, round), block);
             control.advance(1);
             Ok(())
         })?;
@@ -120,11 +152,11 @@ struct Buffers {
 
 impl Buffers {
     /// Adds a round to a block whose starts are there.
-    fn measure(&mut self, tracer: &Tracer, per_round: u32, round: u32, block: &mut Block) {
+    fn measure(&mut self, tracer: &Tracer, estimate: Estimate, (per_round, round): (u32, u32), block: &mut Block) {
         let (bands, each) = (tracer.bands, per_round as usize);
         let before = self.walk.rays_traced;
         self.found.resize(self.starts.len() * bands, 0.0);
-        self.walk.irradiance(tracer, &self.starts, round, &mut self.found);
+        estimate(&mut self.walk, tracer, &self.starts, round, &mut self.found);
         self.sums.clear();
         self.sums.resize(block.means.mean().len(), 0.0);
         for (sums, found) in

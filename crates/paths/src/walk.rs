@@ -22,7 +22,9 @@ pub struct Walk {
     next: Vec<Vertex>,
     /// Paths x bands: what of the light found now reaches the start.
     throughput: Vec<f32>,
-    numbers: Vec<Numbers>,
+    /// What all lamps together could send to each vertex.
+    importance: Vec<f64>,
+    roulette: Vec<f64>,
     rays: Vec<Ray>,
     shadows: Vec<Shadow>,
     occluded: Vec<bool>,
@@ -39,17 +41,6 @@ struct Vertex {
     point: DVec3,
     normal: DVec3,
     path: u32,
-}
-
-/// The random numbers of one step of one path.
-#[derive(Clone, Copy)]
-struct Numbers {
-    direction: [f64; 2],
-    lamp: [f64; 3],
-    light: f64,
-    roulette: f64,
-    /// What all lamps together could send to the vertex.
-    importance: f64,
 }
 
 /// A source of light that is in sight unless its ray is blocked.
@@ -80,6 +71,32 @@ impl Walk {
     /// # Panics
     /// If `irradiance` does not fit.
     pub fn irradiance(&mut self, tracer: &Tracer, starts: &[Start], round: u32, irradiance: &mut [f32]) {
+        self.begin(tracer, starts, irradiance);
+        self.go(tracer, starts, round, true, irradiance);
+    }
+
+    /// Estimates what lamps and lights without area send straight to each start, as far as points on them are the better
+    /// way to find it; [`Walk::rest`] is all else.
+    ///
+    /// # Panics
+    /// If `irradiance` does not fit.
+    pub fn direct(&mut self, tracer: &Tracer, starts: &[Start], round: u32, irradiance: &mut [f32]) {
+        self.begin(tracer, starts, irradiance);
+        self.weigh(tracer);
+        self.look_at_lamps(tracer, starts, (round, 0), irradiance);
+    }
+
+    /// Estimates what arrives at each start but for what [`Walk::direct`] counts.
+    ///
+    /// # Panics
+    /// If `irradiance` does not fit.
+    pub fn rest(&mut self, tracer: &Tracer, starts: &[Start], round: u32, irradiance: &mut [f32]) {
+        self.begin(tracer, starts, irradiance);
+        self.go(tracer, starts, round, false, irradiance);
+    }
+
+    /// Puts a path at each start.
+    fn begin(&mut self, tracer: &Tracer, starts: &[Start], irradiance: &mut [f32]) {
         assert_eq!(irradiance.len(), starts.len() * tracer.bands, "one value per start and band");
         irradiance.fill(0.0);
         self.throughput.clear();
@@ -90,37 +107,41 @@ impl Walk {
             normal: start.normal,
             path,
         }));
+    }
+
+    /// Walks on until nothing is left.
+    fn go(&mut self, tracer: &Tracer, starts: &[Start], round: u32, looks_at_once: bool, irradiance: &mut [f32]) {
         let mut step = 0;
         while !self.vertices.is_empty() {
-            self.draw(tracer, starts, round, step);
-            self.look_at_lamps(tracer, step, irradiance);
-            self.shoot(tracer);
+            self.weigh(tracer);
+            if looks_at_once || step > 0 {
+                self.look_at_lamps(tracer, starts, (round, step), irradiance);
+            }
+            self.shoot(tracer, starts, (round, step));
             self.land(tracer, starts, (round, step), irradiance);
             std::mem::swap(&mut self.vertices, &mut self.next);
             step += 1;
         }
     }
 
-    /// Draws the numbers of a step.
-    fn draw(&mut self, tracer: &Tracer, starts: &[Start], round: u32, step: u32) {
-        self.numbers.clear();
-        self.numbers.extend(self.vertices.iter().map(|vertex| {
-            let start = &starts[vertex.path as usize];
-            let point = |k| Sequence::new(tracer.seed, start.key, round, STREAM + 2 * step + k).point(start.index);
-            let ([u, v, s, t], [choice, light, roulette, _]) = (point(0), point(1));
-            let importance = tracer.lamps.importance(vertex.point, vertex.normal);
-            Numbers { direction: [u, v], lamp: [choice, s, t], light, roulette, importance }
-        }));
+    /// Finds what lamps could send to each vertex.
+    fn weigh(&mut self, tracer: &Tracer) {
+        let lamps = &tracer.lamps;
+        self.importance.clear();
+        self.importance.extend(self.vertices.iter().map(|vertex| lamps.importance(vertex.point, vertex.normal)));
     }
 
     /// Adds what a point on a lamp and lights without area send to each vertex.
-    fn look_at_lamps(&mut self, tracer: &Tracer, step: u32, irradiance: &mut [f32]) {
+    fn look_at_lamps(&mut self, tracer: &Tracer, starts: &[Start], (round, step): (u32, u32), irradiance: &mut [f32]) {
         self.rays.clear();
         self.shadows.clear();
-        for (vertex, numbers) in self.vertices.iter().zip(&self.numbers) {
+        for (vertex, importance) in self.vertices.iter().zip(&self.importance) {
             let (point, normal, path) = (vertex.point, vertex.normal, vertex.path);
             let (from, at) = (point, (point, normal));
-            if let Some(lamp) = tracer.lamps.sample(tracer.enclosure, at, numbers.importance, numbers.lamp) {
+            let start = &starts[path as usize];
+            let sequence = Sequence::new(tracer.seed, start.key, round, STREAM + 2 * step + 1);
+            let [s, t, lamp, light] = sequence.point(start.index);
+            if let Some(lamp) = tracer.lamps.sample(tracer.enclosure, at, *importance, [lamp, s, t]) {
                 self.rays.push(tracer.enclosure.segment(point, lamp.point));
                 let source = Source::Lamp { on: lamp.on, point: lamp.point };
                 self.shadows.push(Shadow { from, path, weight: lamp.weight, source });
@@ -131,7 +152,7 @@ impl Walk {
             };
             if step == 0 && tracer.lights.are_few() {
                 tracer.lights.all(tracer.enclosure, point, normal).for_each(look);
-            } else if let Some(seen) = tracer.lights.choose(tracer.enclosure, point, normal, numbers.light) {
+            } else if let Some(seen) = tracer.lights.choose(tracer.enclosure, point, normal, light) {
                 look(seen);
             }
         }
@@ -170,12 +191,16 @@ impl Walk {
     }
 
     /// Shoots a ray from each vertex.
-    fn shoot(&mut self, tracer: &Tracer) {
+    fn shoot(&mut self, tracer: &Tracer, starts: &[Start], (round, step): (u32, u32)) {
         self.rays.clear();
-        self.rays.extend(self.vertices.iter().zip(&self.numbers).map(|(vertex, numbers)| {
-            let [u, v] = numbers.direction;
-            tracer.enclosure.ray(vertex.point, scatter(vertex.normal, u, v))
-        }));
+        self.roulette.clear();
+        for vertex in &self.vertices {
+            let start = &starts[vertex.path as usize];
+            let sequence = Sequence::new(tracer.seed, start.key, round, STREAM + 2 * step);
+            let [u, v, roulette, _] = sequence.point(start.index);
+            self.rays.push(tracer.enclosure.ray(vertex.point, scatter(vertex.normal, u, v)));
+            self.roulette.push(roulette);
+        }
         self.hits.resize(self.rays.len(), Hit::MISS);
         tracer.enclosure.bvh().closest_hits(&self.rays, &mut self.hits);
         self.rays_traced += self.rays.len() as u64;
@@ -185,7 +210,9 @@ impl Walk {
     fn land(&mut self, tracer: &Tracer, starts: &[Start], (round, step): (u32, u32), irradiance: &mut [f32]) {
         self.next.clear();
         let (enclosure, bands) = (tracer.enclosure, tracer.bands);
-        for (((vertex, numbers), ray), hit) in self.vertices.iter().zip(&self.numbers).zip(&self.rays).zip(&self.hits) {
+        let drawn = self.importance.iter().zip(&self.roulette);
+        let found = self.rays.iter().zip(&self.hits);
+        for ((vertex, (importance, roulette)), (ray, hit)) in self.vertices.iter().zip(drawn).zip(found) {
             let landed = match enclosure.specular() {
                 None => Landed::of(enclosure, ray, hit),
                 Some(specular) => {
@@ -206,12 +233,12 @@ impl Walk {
                 1.0
             } else {
                 let found = (side as usize, direction, distance);
-                tracer.lamps.weight(enclosure, (vertex.point, vertex.normal), numbers.importance, found)
+                tracer.lamps.weight(enclosure, (vertex.point, vertex.normal), *importance, found)
             };
             tracer.exitance.add(enclosure, on, weight, throughput, &mut irradiance[of_path]);
             let Some(reflectance) = &tracer.reflectance else { continue };
             let left = reflectance.filter(side, throughput);
-            if left > 0.0 && (step < SPARED || survives(left, numbers.roulette, throughput)) {
+            if left > 0.0 && (step < SPARED || survives(left, *roulette, throughput)) {
                 let point = enclosure.point_off(side as usize, s, t);
                 self.next.push(Vertex { point, normal: enclosure.normal(side as usize), path: vertex.path });
             }

@@ -5,6 +5,8 @@
 
 pub mod backs;
 mod beyond;
+mod eye;
+pub mod gather;
 pub mod image;
 pub mod image_files;
 pub mod legend;
@@ -19,6 +21,8 @@ mod view;
 pub mod vtp;
 
 pub use backs::Sheets;
+pub use eye::Surfaces;
+pub use gather::{Fields, GatherSettings, Gathered, direct_and_rest, gather};
 pub use image::{Image, Rgb8};
 pub use image_files::{write_exr, write_png};
 pub use legend::with_legend;
@@ -27,5 +31,5 @@ pub use radiosity_store::files::{FileError, atomic_write};
 pub use reconstruction::Smoother;
 pub use render::{Mirrors, RenderSettings, Shading, render, render_with_mirrors};
 pub use tone::{ColourMap, ColourScale, Exposure, ToneCurve};
-pub use traced::{Surfaces, TraceSettings, Traced, paths_per_point, trace};
+pub use traced::{TraceSettings, Traced, trace};
 pub use vtp::write_vtp;

@@ -1,10 +1,6 @@
-//! Pictures by random paths from every point that is seen: the final gather, and path tracing.
+//! Pictures by random paths from every point that is seen.
 
-use std::f64::consts::FRAC_1_PI;
-
-use glam::DVec3;
 use radiosity_exchange::images::survival;
-use radiosity_geometry::Patches;
 use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_geometry::sampling::Sequence;
 use radiosity_operator::{Cancelled, Control};
@@ -13,23 +9,7 @@ use radiosity_scene::Camera;
 use rayon::prelude::*;
 
 use crate::Image;
-use crate::beyond::{Beyond, Shown};
-use crate::render::{offsets, side_of};
-use crate::view::{Frame, Visible};
-
-/// What surfaces show of what arrives: sides x bands each.
-#[derive(Clone, Copy, Debug)]
-pub enum Surfaces<'a> {
-    /// Radiance, W/(m2 sr).
-    Radiance {
-        /// Radiant exitance, W/m2.
-        emission: &'a [f32],
-        /// Diffuse reflectance.
-        reflectance: &'a [f32],
-    },
-    /// Irradiance, W/m2.
-    Irradiance,
-}
+use crate::eye::{Eye, Point, Surfaces};
 
 /// How a traced picture is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,8 +20,6 @@ pub struct TraceSettings {
     pub height: usize,
     /// Paths per pixel.
     pub effort: Effort,
-    /// Paths that start from each point that is seen: what they find varies more than what is seen within a pixel.
-    pub paths_per_point: u32,
     /// Whether the backs of one-sided patches let the view through; else they are black.
     pub culls_backs: bool,
 }
@@ -58,12 +36,6 @@ pub struct Traced {
     pub rounds: Rounds,
     /// Rays traced.
     pub rays: u64,
-}
-
-/// How many of so many samples of a pixel should start from one point in a gather: edges need some sixteen points, and
-/// what arrives needs the rest.
-pub fn paths_per_point(samples: u32) -> u32 {
-    (samples / 16).max(1)
 }
 
 /// Traces paths from what a camera sees; every tile of every round is a step of `control`.
@@ -84,31 +56,8 @@ pub fn trace(
     control: &Control,
 ) -> Result<Traced, Cancelled> {
     let (width, height, bands) = (settings.width, settings.height, tracer.bands());
-    let patches = tracer.enclosure().patches();
-    if let Surfaces::Radiance { emission, reflectance } = surfaces {
-        let count = tracer.enclosure().sides() * bands;
-        assert_eq!((emission.len(), reflectance.len()), (count, count), "values fit the sides and bands");
-    }
-    let paths = settings.paths_per_point.clamp(1, settings.effort.per_round);
-    let points = settings.effort.per_round.div_ceil(paths);
-    let beyond = tracer.enclosure().specular().map(|specular| Beyond {
-        enclosure: tracer.enclosure(),
-        specular,
-        culls_backs: settings.culls_backs,
-    });
-    let is_glass = |patch: usize| beyond.is_some_and(|beyond| beyond.specular.transmittance(patch) > 0.0);
-    let film = Film {
-        tracer,
-        surfaces,
-        patches,
-        visible: Visible::new(patches, camera.position, settings.culls_backs, is_glass),
-        beyond: beyond.filter(|_| matches!(surfaces, Surfaces::Radiance { .. })),
-        frame: Frame::new(camera, width, height),
-        width,
-        each: settings.effort.per_round,
-        paths,
-        offsets: if settings.effort.most == 1 { offsets(points as usize) } else { Vec::new() },
-    };
+    let eye = Eye::new(tracer.enclosure(), bands, surfaces, camera, (width, height), settings.culls_backs);
+    let film = Film { tracer, eye, width, each: settings.effort.per_round };
     let mut tiles = if bands == 0 { Vec::new() } else { tiles(width, height, bands) };
     let rounds = radiosity_paths::rounds(&settings.effort, tiles.len() as u64, control, |round| {
         tiles.par_iter_mut().try_for_each_init(Buffers::default, |buffers, tile| {
@@ -194,20 +143,10 @@ fn error(tiles: &[Tile], bands: usize) -> f64 {
 /// Everything that one picture needs.
 struct Film<'a> {
     tracer: &'a Tracer<'a>,
-    surfaces: Surfaces<'a>,
-    patches: &'a Patches,
-    visible: Visible,
-    /// If mirrors and panes show what is beyond.
-    beyond: Option<Beyond<'a>>,
-    frame: Frame,
+    eye: Eye<'a>,
     width: usize,
     /// Paths per pixel and round.
     each: u32,
-    /// Paths from each point that is seen.
-    paths: u32,
-    /// Where rays pass through every pixel, in [0, 1), so that edges are clean; empty if each pixel and round has rays of
-    /// its own, so that rounds are independent.
-    offsets: Vec<[f64; 2]>,
 }
 
 /// Buffers of one thread.
@@ -216,8 +155,8 @@ struct Buffers {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     starts: Vec<Start>,
-    /// The pixel within the tile and the side that each path starts for, and what it weighs.
-    owners: Vec<(u32, u32, f32)>,
+    /// The pixel within the tile and the point that each path starts for.
+    owners: Vec<(u32, Point)>,
     irradiance: Vec<f32>,
     pixels: Vec<f64>,
     walk: Walk,
@@ -240,12 +179,9 @@ impl Film<'_> {
             tile.rays += buffers.rays.len() as u64;
         }
         tile.rays += buffers.walk.rays_traced - before;
+        let share = 1.0 / f64::from(self.each);
+        buffers.pixels.iter_mut().for_each(|value| *value *= share);
         tile.means.add(&buffers.pixels);
-    }
-
-    /// Points that are seen in a pixel and round.
-    fn points(&self) -> u32 {
-        self.each.div_ceil(self.paths)
     }
 
     /// The place of a pixel of a tile in the picture.
@@ -261,74 +197,33 @@ impl Film<'_> {
     fn look(&self, buffers: &mut Buffers, tile: &Tile, pixels: std::ops::Range<usize>, round: u32) {
         buffers.rays.clear();
         for (x, y) in pixels.map(|pixel| self.place(tile, pixel)) {
-            if !self.offsets.is_empty() {
-                buffers.rays.extend(self.offsets.iter().map(|[u, v]| self.frame.ray(x as f64 + u, y as f64 + v)));
-                continue;
-            }
             let sequence = Sequence::new(self.tracer.seed(), self.key((x, y)), round, STREAM);
-            buffers.rays.extend((0..self.points()).map(|index| {
+            buffers.rays.extend((0..self.each).map(|index| {
                 let [u, v, ..] = sequence.point(index);
-                self.frame.ray(x as f64 + u, y as f64 + v)
+                self.eye.ray(x as f64 + u, y as f64 + v)
             }));
         }
         buffers.hits.resize(buffers.rays.len(), Hit::MISS);
-        self.visible.bvh.closest_hits(&buffers.rays, &mut buffers.hits);
+        self.eye.closest_hits(&buffers.rays, &mut buffers.hits);
     }
 
     /// Adds what surfaces emit that were seen, and has paths start from them.
     fn begin(&self, buffers: &mut Buffers, tile: &Tile, pixels: std::ops::Range<usize>, round: u32) {
-        let (enclosure, bands, points) = (self.tracer.enclosure(), self.tracer.bands(), self.points() as usize);
+        let (bands, each) = (self.tracer.bands(), self.each as usize);
         buffers.starts.clear();
         buffers.owners.clear();
-        let seen = buffers.rays.chunks_exact(points).zip(buffers.hits.chunks_exact(points));
+        let seen = buffers.rays.chunks_exact(each).zip(buffers.hits.chunks_exact(each));
         for (pixel, (rays, hits)) in pixels.zip(seen) {
             let key = self.key(self.place(tile, pixel));
             let sequence = Sequence::new(self.tracer.seed(), key, round, SPECULAR);
             for ((ray, hit), index) in rays.iter().zip(hits).zip(0..) {
-                let seen = self.seen(ray, hit, |met| survival(&sequence, index, met));
-                let Some((weight, side, point)) = seen else { continue };
-                if let Surfaces::Radiance { emission, reflectance } = self.surfaces {
-                    let sums = &mut buffers.pixels[pixel * bands..][..bands];
-                    let scale = weight * FRAC_1_PI / points as f64;
-                    sums.iter_mut().zip(&emission[side * bands..]).for_each(|(sum, &e)| *sum += scale * f64::from(e));
-                    if reflectance[side * bands..][..bands].iter().all(|&rho| rho == 0.0) {
-                        continue;
-                    }
-                }
-                let start = Start { point, normal: enclosure.normal(side), key, index: 0 };
-                let indices = (0..self.paths).map(|path| index * self.paths + path);
-                buffers.starts.extend(indices.map(|index| Start { index, ..start }));
-                buffers.owners.extend((0..self.paths).map(|_| (pixel as u32, side as u32, weight as f32)));
-            }
-        }
-    }
-
-    /// Whether a side neither emits nor reflects diffusely.
-    fn is_dark(&self, side: usize) -> bool {
-        let bands = self.tracer.bands();
-        match self.surfaces {
-            Surfaces::Irradiance => false,
-            Surfaces::Radiance { emission, reflectance } => {
-                let of_side = |values: &[f32]| values[side * bands..][..bands].iter().all(|&v| v == 0.0);
-                of_side(emission) && of_side(reflectance)
-            }
-        }
-    }
-
-    /// What a ray shows of a side, the side and the point just off it.
-    fn seen(&self, ray: &Ray, hit: &Hit, survival: impl Fn(u32) -> f64) -> Option<(f64, usize, DVec3)> {
-        let enclosure = self.tracer.enclosure();
-        let facet = self.visible.facet(hit)?;
-        let (patch, on) = (facet.patch as usize, facet.point(self.patches, hit));
-        let side = side_of(enclosure, &facet);
-        let first = side.map(|side| (side, enclosure.off(side, on)));
-        match self.beyond.filter(|beyond| beyond.is_of(patch)) {
-            None => first.map(|(side, point)| (1.0, side, point)),
-            Some(beyond) => {
-                let first = first.map(|(side, point)| Shown::Side { side, point, corners: facet.corner_weights(hit) });
-                match beyond.one((patch, first), (on, ray.direction), |side| self.is_dark(side), survival)? {
-                    (weight, Shown::Side { side, point, .. }) => Some((weight, side, point)),
-                    (_, Shown::Nothing) => None,
+                let seen = self.eye.seen(ray, hit, |met| survival(&sequence, index, met));
+                let Some(point) = seen else { continue };
+                let sums = &mut buffers.pixels[pixel * bands..][..bands];
+                sums.iter_mut().zip(self.eye.emitted(&point)).for_each(|(sum, e)| *sum += f64::from(e));
+                if self.eye.reflects(&point) {
+                    buffers.starts.push(Start { point: point.at, normal: self.eye.normal(&point), key, index });
+                    buffers.owners.push((pixel as u32, point));
                 }
             }
         }
@@ -337,36 +232,28 @@ impl Film<'_> {
     /// Adds what is reflected of what arrives.
     fn reflect(&self, buffers: &mut Buffers) {
         let bands = self.tracer.bands();
-        let share = 1.0 / f64::from(self.points() * self.paths);
-        for (&(pixel, side, weight), found) in buffers.owners.iter().zip(buffers.irradiance.chunks_exact(bands)) {
-            let sums = &mut buffers.pixels[pixel as usize * bands..][..bands];
-            let share = share * f64::from(weight);
-            match self.surfaces {
-                Surfaces::Irradiance => {
-                    sums.iter_mut().zip(found).for_each(|(sum, &h)| *sum += share * f64::from(h));
-                }
-                Surfaces::Radiance { reflectance, .. } => {
-                    let own = &reflectance[side as usize * bands..];
-                    for ((sum, &h), &rho) in sums.iter_mut().zip(found).zip(own) {
-                        *sum += share * FRAC_1_PI * f64::from(rho) * f64::from(h);
-                    }
-                }
-            }
+        for ((pixel, point), found) in buffers.owners.iter().zip(buffers.irradiance.chunks_exact(bands)) {
+            let sums = &mut buffers.pixels[*pixel as usize * bands..][..bands];
+            let shown = self.eye.shares(point).zip(found).map(|(share, h)| f64::from(share * h));
+            sums.iter_mut().zip(shown).for_each(|(sum, shown)| *sum += shown);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_1_PI;
+
     use glam::DVec3;
     use radiosity_exchange::Enclosure;
+    use radiosity_geometry::Patches;
     use radiosity_paths::Exitance;
 
     use super::*;
     use crate::test_scenes::{camera, cube};
 
     fn settings(width: usize, height: usize, effort: Effort) -> TraceSettings {
-        TraceSettings { width, height, effort, paths_per_point: 2, culls_backs: true }
+        TraceSettings { width, height, effort, culls_backs: true }
     }
 
     /// The inside of a unit cube where all emits 1 and reflects half, so that H = 2 and B = 2 everywhere.
@@ -403,22 +290,6 @@ mod tests {
         let irradiance = trace(&tracer, Surfaces::Irradiance, &eye, &settings, &Control::default()).unwrap();
         let lit: Vec<f32> = irradiance.image.pixels.iter().copied().filter(|h| *h > 1.5).collect();
         assert!((lit.iter().sum::<f32>() / lit.len() as f32 - 2.0).abs() < 0.01);
-    }
-
-    #[test]
-    fn a_gather_of_the_answer_is_the_answer_on_any_number_of_threads() {
-        let enclosure = furnace();
-        let tracer = Tracer::gather(&enclosure, 1, Exitance::Corners(vec![2.0; 96]), vec![], 1);
-        let (emission, reflectance) = (vec![1.0; 24], vec![0.5; 24]);
-        let surfaces = Surfaces::Radiance { emission: &emission, reflectance: &reflectance };
-        let (eye, settings) = (camera(DVec3::new(0.1, 0.1, 0.4), 1.0), settings(20, 20, Effort::at_once(8)));
-        let make = || trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
-        let traced = make();
-        let truth = (2.0 * FRAC_1_PI) as f32;
-        assert!(traced.image.pixels.iter().all(|v| (v / truth - 1.0).abs() < 1e-5), "{:?}", traced.image.pixels);
-        assert!(traced.standard_error.pixels.iter().all(|e| e.is_nan()));
-        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        assert_eq!(one.install(make).image, traced.image);
     }
 
     #[test]

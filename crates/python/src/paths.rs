@@ -10,7 +10,7 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use radiosity_geometry::corners::CREASE_ANGLE;
 use radiosity_paths::{Effort, Exitance, Light, Measured, Tracer};
-use radiosity_picture::{Sheets, Smoother, Surfaces, TraceSettings, Traced};
+use radiosity_picture::{Fields, GatherSettings, Gathered, Sheets, Smoother, Surfaces, TraceSettings, Traced};
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(gather, module)?)?;
@@ -74,9 +74,9 @@ fn check_whole(reflectance: &[f64], bands: usize, going_on: Option<&[Vec<f64>; 2
 }
 
 /// Sheets as rays see them, of which some are mirrors and panes.
-fn enclosure_of(sheets: Sheets, going_on: Option<&[Vec<f64>; 2]>) -> radiosity_exchange::Enclosure {
+fn enclosure_of(sheets: &Sheets, going_on: Option<&[Vec<f64>; 2]>) -> radiosity_exchange::Enclosure {
     let parts = going_on.map(|parts| parts.each_ref().map(|part| sheets.of_patches(part)));
-    let enclosure = radiosity_exchange::Enclosure::new(sheets.patches);
+    let enclosure = radiosity_exchange::Enclosure::new(sheets.patches.clone());
     match parts {
         None => enclosure,
         Some([specular, transmittance]) => enclosure.with_specular(specular, transmittance),
@@ -88,8 +88,11 @@ fn traced_out(py: Python<'_>, traced: Traced) -> PyResult<TracedOut<'_>> {
     Ok((image, error, traced.rounds.samples, traced.rounds.error, traced.rays))
 }
 
+/// Picture, its noise over its mean, and rays.
+type GatheredOut<'py> = (Bound<'py, PyArray3<f32>>, f64, u64);
+
 /// Renders a solution by a final gather; blocks are (n_patches, bands). Backs of two-sided patches may be patches of
-/// their own. The standard error is NaN: samples of a pixel come as one set.
+/// their own.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, irradiance, radiosity, lights, camera, width, height, samples, show,
                     seed, going_on=None, threads=None, progress=None))]
@@ -110,7 +113,7 @@ fn gather<'py>(
     going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<TracedOut<'py>> {
+) -> PyResult<GatheredOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
     let emission = convert::block_in(&emission, n, bands, "emission")?;
@@ -121,25 +124,25 @@ fn gather<'py>(
     check_whole(&reflectance, bands, going_on.as_ref())?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     shown(show, &[], &[])?;
-    let settings = TraceSettings {
-        width,
-        height,
-        effort: Effort::at_once(samples),
-        paths_per_point: radiosity_picture::paths_per_point(samples),
-        culls_backs: true,
-    };
-    let traced = watch::run(py, threads, progress.as_ref(), |control| {
+    let settings = GatherSettings { width, height, samples, culls_backs: true };
+    let gathered = watch::run(py, threads, progress.as_ref(), |control| {
         let sheets = Sheets::new(&given);
         let smoother = Smoother::new(&given, CREASE_ANGLE);
         let corners = smoother.corner_radiosity_of_patches(&radiosity, &irradiance, &reflectance, bands);
         let exitance = Exitance::Corners(sheets.corners_of_sides(&given, &corners, bands));
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
-        let enclosure = enclosure_of(sheets, going_on.as_ref());
+        let enclosure = enclosure_of(&sheets, going_on.as_ref());
         let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed);
+        let rays = width * height * samples as usize;
+        let parts = radiosity_picture::direct_and_rest(&tracer, &sheets.patch_of_side, &irradiance, rays, control)?;
+        let at_corners = |part: &Vec<f64>| sheets.corners_of_sides(&given, &smoother.corner_values(part, bands), bands);
+        let [direct, rest] = parts.each_ref().map(at_corners);
+        let fields = Fields { direct: &direct, rest: &rest };
         let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
-        radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
+        radiosity_picture::gather(&tracer, surfaces, fields, &camera, &settings, control)
     })?;
-    traced_out(py, traced.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?)
+    let Gathered { image, noise, rays } = gathered.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?;
+    Ok((image_out(py, image)?, noise, rays))
 }
 
 /// Renders patches by path tracing, without a solution; blocks are (n_patches, bands). With an accuracy, `samples` are
@@ -173,11 +176,11 @@ fn path_trace<'py>(
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     let effort = effort_in(samples, accuracy)?;
     shown(show, &[], &[])?;
-    let settings = TraceSettings { width, height, effort, paths_per_point: 1, culls_backs: true };
+    let settings = TraceSettings { width, height, effort, culls_backs: true };
     let traced = watch::run(py, threads, progress.as_ref(), |control| {
         let sheets = Sheets::new(&given);
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
-        let enclosure = enclosure_of(sheets, going_on.as_ref());
+        let enclosure = enclosure_of(&sheets, going_on.as_ref());
         let exitance = Exitance::Uniform(emission.clone());
         let tracer = Tracer::paths(&enclosure, bands, exitance, reflectance.clone(), lights, seed);
         let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
