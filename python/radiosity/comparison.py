@@ -83,7 +83,9 @@ def draw(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Panel:
-    """One panel, with its noise where that can be told: of path tracing, and of gathers, which are then made of two.
+    """One panel, with its noise where that can be told.
+
+    Path tracing tells it, gathers are made of two that differ by it, and what is read off the solution has none.
 
     Args:
         mode: as in :func:`radiosity.picture.render`, like all that follows.
@@ -97,7 +99,8 @@ def draw(
         one, two = (render(lit, camera, mode=mode, samples=each, seed=s, **view) for s in (seed, seed ^ (1 << 63)))
         return Panel(mode, 0.5 * (one + two), 0.5 * abs(one - two))
     level = ambient if mode == "whitted" else None
-    return Panel(mode, render(lit, camera, mode=mode, samples=samples, seed=seed, ambient=level, **view))
+    image = render(lit, camera, mode=mode, samples=samples, seed=seed, ambient=level, **view)
+    return Panel(mode, image, np.zeros_like(image) if mode in ("smooth", "patches") else None)
 
 
 def difference(panel: Panel, reference: Panel, where: npt.NDArray[np.bool_]) -> Difference:
