@@ -15,6 +15,7 @@ import typer
 from radiosity.cli import demo, interrupt, options, output, picture, source
 from radiosity.cli.failure import bad_argument
 from radiosity.cli.progress import Bar
+from radiosity.cli.render import SOLVED_TO
 from radiosity.cli.solve import Effort, solve_target
 
 if TYPE_CHECKING:
@@ -92,15 +93,18 @@ def compare(
     quiet: options.Quiet = False,
 ) -> None:
     """Draw one view by several methods side by side, equally exposed, and tell how they differ."""
+    from radiosity import Scene
+
     file = _with_builtin(file)
-    name = source.builtin_name(file) or Path(file).stem
+    builtin = source.builtin_name(file) or ""
     modes = _modes(panels)
     picture.check_ambient(modes, ambient)
-    outputs = _Outputs.of(file, name, sheet, each or [])
+    outputs = _Outputs.of(file, sheet, each or [])
     stops = picture.read_exposure(exposure)
     meshing = source.Meshing(max_edge, patches, as_is)
-    if name in demo.EVENLY and meshing.is_left_open:
+    if builtin in demo.EVENLY and meshing.is_left_open:
         meshing = source.Meshing(count=demo.PATCHES)
+    wanted = demo.ACCURACY.get(builtin, SOLVED_TO) if accuracy is None else accuracy
     source.use_threads(threads)
     lit: LitModel | Scene | Solution
     lit = source.open_lit(file, unit) or source.open_unlit(file, unit=unit, two_sided=two_sided)
@@ -108,10 +112,10 @@ def compare(
     eye = picture.aim(lit, picture.choose_camera(lit.cameras, camera, None, None, None), None)
     view = picture.View(width, height, samples, camera=eye, threads=threads, seed=seed, ambient=ambient)
     views = [replace(view, mode=mode) for mode in modes]
-    places = _Places.of(lit, view, subject or SUBJECT.get(name))
+    places = _Places.of(lit, view, subject or SUBJECT.get(builtin))
     report = None
-    if not hasattr(lit, "report") and any(view.needs_solution for view in views):
-        effort = Effort(demo.ACCURACY.get(name, 0.01) if accuracy is None else accuracy, threads=threads, seed=seed)
+    if isinstance(lit, Scene) and any(view.needs_solution for view in views):
+        effort = Effort(wanted, threads=threads, seed=seed)
         lit = solve_target(file, source.cut_or_leave(file, lit, meshing), effort, quiet=quiet)
         report = lit.report
     drawn = [_draw(file, lit, view, quiet=quiet) for view in views]
@@ -160,7 +164,7 @@ class _Outputs:
     each: list[str]
 
     @classmethod
-    def of(cls, file: str, name: str, sheet: Path | None, each: list[str]) -> _Outputs:
+    def of(cls, file: str, sheet: Path | None, each: list[str]) -> _Outputs:
         """What the options ask for.
 
         Raises:
@@ -174,7 +178,7 @@ class _Outputs:
         if sheet is None:
             with output.naming_file(FOLDER):
                 FOLDER.mkdir(parents=True, exist_ok=True)
-            sheet = FOLDER / f"{name}-comparison.png"
+            sheet = FOLDER / f"{source.builtin_name(file) or Path(file).stem}-comparison.png"
         output.check_outputs([sheet], (".png",), file)
         return cls(sheet, each)
 

@@ -48,4 +48,5 @@ def demo(
     elif not quiet:
         print(f"{scene.name}\n{solution.report}\nwrote {model}, {image} and {table}")
         print(f"\nNow try:  radiosity render {model} -o {folder / 'irradiance.png'} --show irradiance --false-colours")
+        print(f"          radiosity compare {name}")
     output.demand_accuracy(name, solution.report)
