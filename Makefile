@@ -20,7 +20,7 @@ TESTED_CRATES := --workspace --exclude radiosity-python  # an extension module c
 # The same interpreter for every build, so that Rust does not rebuild what knows about Python.
 export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
-.PHONY: help setup viewer demo test test-rust test-viewer test-python check bench validate dist lock clean
+.PHONY: help setup viewer demo gallery test test-rust test-viewer test-python check bench validate dist lock clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -31,6 +31,9 @@ viewer: $(PAGE) ## Build the page of the viewer.
 
 demo: $(NATIVE) $(PAGE) ## Light the Cornell box: model, picture and table in out/.
 	$(BIN)/radiosity demo
+
+gallery: $(NATIVE) ## Remake the pictures of docs/gallery, in some ten minutes.
+	$(BIN)/python docs/gallery/make.py
 
 test: test-rust test-viewer test-python ## Run all tests: Rust, the viewer's page, Python, examples and the fast part of validation/.
 

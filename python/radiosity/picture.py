@@ -1,4 +1,4 @@
-"""Pictures of a solution, and of scenes by path tracing."""
+"""Pictures of a solution, and of scenes by path tracing or by direct light."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from radiosity import _native
 from radiosity.checks import threads_or_all, whole
+from radiosity.colour import developed, wavelengths_of
 from radiosity.files import LitModel
 from radiosity.patches import Patches
 from radiosity.scene import Camera, Scene
@@ -20,9 +21,9 @@ from radiosity.solution import Solution
 
 Image = npt.NDArray[np.float32]
 Quantity = Literal["radiosity", "irradiance", "emission", "error"]
-Mode = Literal["smooth", "patches", "gather", "path"]
+Mode = Literal["smooth", "patches", "gather", "path", "direct", "whitted"]
 
-SAMPLES: dict[Mode, int] = {"smooth": 16, "patches": 16, "gather": 64, "path": 64}
+SAMPLES: dict[Mode, int] = {"smooth": 16, "patches": 16, "gather": 64, "path": 64, "direct": 64, "whitted": 64}
 """Rays or paths per pixel where the caller does not say."""
 
 SHOWN_BY: dict[Mode, tuple[Quantity, ...]] = {
@@ -30,6 +31,8 @@ SHOWN_BY: dict[Mode, tuple[Quantity, ...]] = {
     "patches": ("radiosity", "irradiance", "emission", "error"),
     "gather": ("radiosity", "irradiance"),
     "path": ("radiosity", "irradiance", "error"),
+    "direct": ("radiosity", "irradiance"),
+    "whitted": ("radiosity",),
 }
 """What each mode can show."""
 
@@ -44,29 +47,34 @@ def render(
     show: Quantity = "radiosity",
     mode: Mode = "smooth",
     accuracy: float | None = None,
+    ambient: npt.ArrayLike | None = None,
     threads: int | None = None,
     seed: int = 0,
     progress: Callable[[int, int], object] | None = None,
 ) -> Image:
-    """Render a solution as a camera sees it, or a scene by path tracing.
+    """Render a solution as a camera sees it, or a scene by path tracing or by direct light.
 
     Args:
-        lit: a solution, or a lit model read by :func:`radiosity.files.load_lit`; for mode "path" also scene or patches.
+        lit: a solution, or a lit model read by :func:`radiosity.files.load_lit`; for modes "path" and "direct", and
+            "whitted" with an ambient irradiance, also a scene or patches.
         camera: the viewpoint (default: the scene's first, or one that sees everything).
         width, height: pixels.
-        samples: rays per pixel (default 16), or paths per pixel of "gather" and "path" (default 64).
-        show: radiosity is shown as radiance (W/m2/sr), other quantities in W/m2. "gather" shows radiosity and
-            irradiance; "path" these and, as "error", the standard error of each pixel's radiance.
+        samples: rays per pixel (default 16 for "smooth" and "patches", 64 for others).
+        show: radiosity is shown as radiance (W/m2/sr), other quantities in W/m2. "gather" and "direct" show radiosity
+            and irradiance; "path" these and, as "error", the standard error of each pixel's radiance.
         mode: "smooth" interpolates values at corners, "patches" shows each patch's value. "gather" looks from every
             point that is seen once more at all lamps and into the solution (final gather; Reichert 1992), so that
             shadows are as sharp as they are. "path" takes nothing from a solution, see
-            :func:`radiosity.path_tracing.path_trace`, which also returns errors.
+            :func:`radiosity.path_tracing.path_trace`, which also returns errors. "direct" shows what comes straight
+            from lamps, "whitted" an even ambient light as well, see :func:`radiosity.direct.direct_picture`.
         accuracy: of "path" only: the mean relative standard error of pixels at which to stop.
+        ambient: of "whitted" only: ambient irradiance in W/m2, a number or one per band (default:
+            :func:`radiosity.direct.ambient_of` the solution).
         threads, progress: as in :func:`radiosity.solve`.
-        seed: of "gather" and "path": the same seed gives the same bytes.
+        seed: of all but "smooth" and "patches": the same seed gives the same bytes.
 
     Radiance is also seen in mirrors and through clear glass. "smooth" and "patches" follow both ways of every ray, by
-    at most 64 mirrors and panes and while more than 1/4096 of it is left, and show black beyond; "gather" and "path"
+    at most 64 mirrors and panes and while more than 1/4096 of it is left, and show black beyond; other modes
     draw a way. Other quantities are those of the mirror or pane itself.
 
     Returns:
@@ -75,6 +83,8 @@ def render(
     Raises:
         ValueError: the mode cannot show this, or draws solutions only.
     """
+    if ambient is not None and mode != "whitted":
+        raise ValueError("ambient is for mode 'whitted'; other modes find the light that is there")
     if mode not in SHOWN_BY:
         raise ValueError(f"there is no mode '{mode}'; choose one of {', '.join(SHOWN_BY)}")
     if show not in SHOWN_BY[mode]:
@@ -89,9 +99,17 @@ def render(
         return traced.standard_error if show == "error" else traced.image
     if accuracy is not None:
         raise ValueError("accuracy is for mode 'path'; other modes are as accurate as the solution")
-    if not isinstance(lit, Solution | LitModel):
-        raise ValueError(f"mode '{mode}' draws a solution: solve the scene first, or use mode 'path'")
     rays = SAMPLES[mode] if samples is None else samples
+    if mode in ("direct", "whitted"):
+        from radiosity.direct import ambient_of, direct_picture  # noqa: PLC0415
+
+        if mode == "whitted" and ambient is None:
+            ambient = ambient_of(_solved(lit, mode), threads=threads, seed=seed)
+        return direct_picture(
+            lit, camera, ambient=0.0 if ambient is None else ambient, width=width, height=height, samples=rays,
+            irradiance=show == "irradiance", threads=threads, seed=seed, progress=progress,
+        )  # fmt: skip
+    lit = _solved(lit, mode)
     if mode == "gather":
         return _gather(lit, camera, width, height, rays, show, threads_or_all(threads), seed, progress)
     if isinstance(lit, Solution):
@@ -106,6 +124,12 @@ def render(
         [reflectance for _, _, reflectance, *_ in lit.surfaces] if is_radiosity else None,
         lit._going_on if is_radiosity else None, threads, progress,
     )  # fmt: skip
+
+
+def _solved(lit: Solution | LitModel | Scene | Patches, mode: Mode) -> Solution | LitModel:
+    if not isinstance(lit, Solution | LitModel):
+        raise ValueError(f"mode '{mode}' draws a solution: solve the scene first, or use mode 'path'")
+    return lit
 
 
 def _gather(
@@ -180,7 +204,9 @@ def save_image(
         false_colours: map the mean over bands to colours instead; returns the values of the first and last colour.
         legend: with false colours, lines of text above a bar of the colours with their values, which stands on the
             right and makes the picture wider, see :func:`legend_of`; None for no bar.
-        bands: channel names of an EXR.
+        bands: channel names of an EXR. Where all are wavelengths, such as "400 nm", a PNG is developed as
+            :func:`radiosity.colour.to_rgb` sees them; else three are red, green and blue, and others are grey at
+            their mean.
 
     Raises:
         ValueError: another suffix.
@@ -195,5 +221,7 @@ def save_image(
         raise ValueError(f"{path}: cannot write '{suffix}' pictures; use .png or .exr")
     if false_colours:
         return _native.write_false_colours(os.fspath(path), pixels, None, None, legend)
+    if bands is not None and wavelengths_of(bands) is not None:
+        pixels = np.ascontiguousarray(developed(pixels, bands), dtype=np.float32)
     _native.write_png(os.fspath(path), pixels, None if exposure == "auto" else float(exposure), curve)
     return None

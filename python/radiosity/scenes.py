@@ -10,8 +10,10 @@ import numpy.typing as npt
 
 from radiosity import _native
 from radiosity.city import city
+from radiosity.cornell_spectra import cornell_box_spectral
 from radiosity.crater import crater
 from radiosity.ferren import ferren
+from radiosity.goral import goral_box
 from radiosity.mirror_room import mirror_room
 from radiosity.scene import Scene
 
@@ -70,11 +72,13 @@ def furnished_room(detail: int = 1) -> Scene:
 BUILTIN_SCENES: dict[str, Callable[[], Scene]] = {
     "cornell-box": cornell_box,
     "cornell-box-original": cornell_box_original,
+    "cornell-box-spectral": cornell_box_spectral,
     "city": city,
     "crater": crater,
     "ferren": ferren,
     "furnished-room": furnished_room,
     "furnace": furnace,
+    "goral-box": goral_box,
     "mirror-room": mirror_room,
     "two-plates": two_plates,
 }

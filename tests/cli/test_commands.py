@@ -20,7 +20,7 @@ from radiosity.cli.source import Meshing, cut, make_builtin
 def test_help_and_version(run: Runner, call: Call) -> None:
     shown = run("--help")
     assert shown.returncode == 0
-    for command in ("solve", "design", "render", "factors", "check", "demo", "scenes"):
+    for command in ("solve", "design", "render", "factors", "check", "compare", "demo", "scenes"):
         assert f" {command} " in shown.stdout
         assert f" {command} " in call(command, "--help").split("\n\n")[0]
     assert call("--version") == f"radiosity {radiosity.__version__}\n"

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from radiosity.cli import check, demo, design, factors, render, scenes, solve, view
+from radiosity.cli import check, comparison, demo, design, factors, render, scenes, solve, view
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -41,5 +41,6 @@ app.command("render")(render.render)
 app.command("view")(view.view)
 app.command("factors")(factors.factors)
 app.command("check")(check.check)
+app.command("compare")(comparison.compare)
 app.command("demo")(demo.demo)
 app.command("scenes")(scenes.scenes)

@@ -95,6 +95,16 @@ MaxIterations = Annotated[
 Threads = Annotated[int | None, typer.Option(min=1, metavar="N", help="Threads to use; all cores by default.")]
 Seed = Annotated[int, typer.Option(min=0, max=2**64 - 1, help="The same seed gives the same bytes.")]
 
+# How it is drawn.
+Ambient = Annotated[
+    float | None,
+    typer.Option(
+        metavar="W/M2",
+        help="Ambient irradiance of whitted pictures, in every band; what interreflection is worth by default.",
+        show_default=False,
+    ),
+]
+
 # What is said.
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]

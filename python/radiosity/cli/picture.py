@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".png", ".exr")
 Quantity = Literal["radiosity", "irradiance", "emission", "error"]
-Mode = Literal["smooth", "patches", "gather", "path"]
+Mode = Literal["smooth", "patches", "gather", "path", "direct", "whitted"]
 
 
 @dataclass(frozen=True)
 class View:
-    """What to draw, and from where. ``accuracy`` is that of path-traced pixels."""
+    """What to draw, and from where. ``accuracy`` is that of path-traced pixels, ``ambient`` W/m2 of "whitted" ones."""
 
     width: int = 800
     height: int = 600
@@ -36,6 +36,12 @@ class View:
     threads: int | None = None
     seed: int = 0
     accuracy: float | None = None
+    ambient: float | None = None
+
+    @property
+    def needs_solution(self) -> bool:
+        """Whether the scene must be solved first."""
+        return self.mode not in ("path", "direct") and (self.mode != "whitted" or self.ambient is None)
 
 
 @dataclass(frozen=True)
@@ -47,14 +53,14 @@ class Tone:
     legend: str | None = None
 
 
-def render(lit: Solution | LitModel, view: View, *, quiet: bool) -> Image:
-    """(height, width, bands) linear, of a solution or lit model, with a progress bar."""
+def render(lit: Solution | LitModel | Scene, view: View, *, quiet: bool) -> Image:
+    """(height, width, bands) linear, with a progress bar."""
     from radiosity import picture
 
     with Bar("drawing", quiet=quiet) as bar:
         return picture.render(
             lit, view.camera, width=view.width, height=view.height, samples=view.samples, show=view.show,
-            mode=view.mode, threads=view.threads, seed=view.seed, progress=bar,
+            mode=view.mode, ambient=view.ambient, threads=view.threads, seed=view.seed, progress=bar,
         )  # fmt: skip
 
 
@@ -80,6 +86,18 @@ def check_shown(mode: Mode, show: Quantity) -> None:
 
     if show not in SHOWN_BY[mode]:
         raise bad_argument(f"--mode {mode} cannot show {show}: choose --show {' or '.join(SHOWN_BY[mode])}")
+
+
+def check_ambient(modes: Sequence[Mode] | Mode, ambient: float | None) -> None:
+    """Refuse an ambient light that no mode uses, or that is none.
+
+    Raises:
+        Stop: it is one of the two.
+    """
+    if ambient is not None and "whitted" not in ([modes] if isinstance(modes, str) else modes):
+        raise bad_argument("--ambient is for --mode whitted; other modes find the light that is there")
+    if ambient is not None and not 0 <= ambient < math.inf:
+        raise bad_argument(f"--ambient must be a number of W/m2 from 0 on, not {ambient:g}")
 
 
 def save(image: Image, bands: list[str], paths: Sequence[Path], tone: Tone) -> tuple[float, float] | None:

@@ -26,7 +26,7 @@ _Samples = Annotated[
     typer.Option(
         min=1,
         max=1 << 16,
-        help="Rays per pixel (16), or paths per pixel of --mode gather and path (64).",
+        help="Rays per pixel: 16 for --mode smooth and patches, 64 for others.",
         show_default=False,
     ),
 ]
@@ -34,7 +34,8 @@ _Mode = Annotated[
     picture.Mode,
     typer.Option(
         help="smooth: interpolated; patches: one colour per patch; gather: looks from every point that is seen at the "
-        "lamps and into the solution once more, for sharp shadows; path: path tracing, which needs no solution."
+        "lamps and into the solution once more, for sharp shadows; path: path tracing, which needs no solution; "
+        "direct: what comes straight from lamps, likewise; whitted: that and an even ambient light."
     ),
 ]
 _Accuracy = Annotated[
@@ -67,6 +68,7 @@ def render(
     show: Annotated[picture.Quantity, typer.Option(help="What to show.")] = "radiosity",
     mode: _Mode = "smooth",
     accuracy: _Accuracy = None,
+    ambient: options.Ambient = None,
     max_edge: options.MaxEdge = None,
     patches: options.PatchCount = None,
     as_is: options.AsIs = False,
@@ -77,7 +79,7 @@ def render(
     as_json: options.AsJson = False,
     quiet: options.Quiet = False,
 ) -> None:
-    """Draw a lit model; a scene that is not lit yet is solved first, except for path tracing."""
+    """Draw a lit model; a scene that is not lit yet is solved first, except for path tracing and direct light."""
     from radiosity.files import LitModel
     from radiosity.picture import legend_of
 
@@ -85,11 +87,12 @@ def render(
     if fov is not None and not 0 < fov < 180:
         raise bad_argument(f"--fov {fov:g}: give an angle between 0 and 180 degrees")
     picture.check_shown(mode, show)
+    picture.check_ambient(mode, ambient)
     tone = picture.Tone(picture.read_exposure(exposure), false_colours, legend_of(show, mode))
     meshing = source.Meshing(max_edge, patches, as_is)
     source.use_threads(threads)
     lit = source.open_lit(file, unit)
-    view = picture.View(width, height, samples, show, mode, None, threads, seed)
+    view = picture.View(width, height, samples, show, mode, None, threads, seed, None, ambient)
     done = _Done(file, outputs, as_json, quiet)
     if mode == "path":
         scene = lit or source.open_unlit(file, unit=unit, two_sided=two_sided)
@@ -98,6 +101,13 @@ def render(
             traced = picture.trace(scene, replace(view, camera=eye, accuracy=accuracy), quiet=quiet)
         image = traced.standard_error if show == "error" else traced.image
         done.say(lit, traced, picture.save(image, scene.bands, outputs, tone))
+        return
+    if not view.needs_solution:
+        scene = lit or source.open_unlit(file, unit=unit, two_sided=two_sided)
+        eye = picture.aim(scene, picture.choose_camera(scene.cameras, camera, look_from, look_at, fov), fov)
+        with source.naming(file, getattr(scene, "name", "")):
+            image = picture.render(scene, replace(view, camera=eye), quiet=quiet)
+        done.say(lit, None, picture.save(image, scene.bands, outputs, tone))
         return
     solution = None
     if lit is None:
