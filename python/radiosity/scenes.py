@@ -12,6 +12,7 @@ from radiosity import _native
 from radiosity.city import city
 from radiosity.crater import crater
 from radiosity.ferren import ferren
+from radiosity.lampshade import lampshade
 from radiosity.mirror_room import mirror_room
 from radiosity.scene import Scene
 
@@ -75,6 +76,7 @@ BUILTIN_SCENES: dict[str, Callable[[], Scene]] = {
     "ferren": ferren,
     "furnished-room": furnished_room,
     "furnace": furnace,
+    "lampshade": lampshade,
     "mirror-room": mirror_room,
     "two-plates": two_plates,
 }

@@ -1,7 +1,8 @@
 //! Many paths at once, one step after another, so that their rays are traced together.
 //!
 //! With emission E and reflectance rho, what arrives at x is the mean of what leaves where cosine-distributed rays land:
-//! H(x) = mean of E(y) + rho(y) H(y) (Kajiya 1986, *The rendering equation*, for diffuse surfaces). Every step adds what
+//! H(x) = mean of E(y) + rho(y) H(y) (Kajiya 1986, *The rendering equation*, for diffuse surfaces), and of tau(y) H'(y) of
+//! the other side where light passes through. Every step adds what
 //! lamps and lights without area send to where paths are, and what rays find where they land, each weighed so that
 //! both together count it once. Rays go on by mirrors and panes until they land. Lamps and lights are looked for through
 //! panes, lights also at their images in mirrors; lamps in mirrors are found by rays alone.
@@ -48,6 +49,7 @@ struct Numbers {
     lamp: [f64; 3],
     light: f64,
     roulette: f64,
+    through: f64,
     /// What all lamps together could send to the vertex.
     importance: f64,
 }
@@ -107,9 +109,9 @@ impl Walk {
         self.numbers.extend(self.vertices.iter().map(|vertex| {
             let start = &starts[vertex.path as usize];
             let point = |k| Sequence::new(tracer.seed, start.key, round, STREAM + 2 * step + k).point(start.index);
-            let ([u, v, s, t], [choice, light, roulette, _]) = (point(0), point(1));
+            let ([u, v, s, t], [choice, light, roulette, through]) = (point(0), point(1));
             let importance = tracer.lamps.importance(vertex.point, vertex.normal);
-            Numbers { direction: [u, v], lamp: [choice, s, t], light, roulette, importance }
+            Numbers { direction: [u, v], lamp: [choice, s, t], light, roulette, through, importance }
         }));
     }
 
@@ -210,10 +212,12 @@ impl Walk {
             };
             tracer.exitance.add(enclosure, on, weight, throughput, &mut irradiance[of_path]);
             let Some(reflectance) = &tracer.reflectance else { continue };
-            let left = reflectance.filter(side, throughput);
+            let (left, passes) = reflectance.filter(side, numbers.through, throughput);
             if left > 0.0 && (step < SPARED || survives(left, numbers.roulette, throughput)) {
-                let point = enclosure.point_off(side as usize, s, t);
-                self.next.push(Vertex { point, normal: enclosure.normal(side as usize), path: vertex.path });
+                let across = || enclosure.opposite(side as usize).expect("what light passes through has two sides");
+                let side = if passes { across() } else { side as usize };
+                let point = enclosure.point_off(side, s, t);
+                self.next.push(Vertex { point, normal: enclosure.normal(side), path: vertex.path });
             }
         }
     }

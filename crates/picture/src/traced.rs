@@ -26,6 +26,8 @@ pub enum Surfaces<'a> {
         emission: &'a [f32],
         /// Diffuse reflectance.
         reflectance: &'a [f32],
+        /// Diffuse transmittance to the other side; empty where nothing passes.
+        transmittance: &'a [f32],
     },
     /// Irradiance, W/m2.
     Irradiance,
@@ -85,9 +87,10 @@ pub fn trace(
 ) -> Result<Traced, Cancelled> {
     let (width, height, bands) = (settings.width, settings.height, tracer.bands());
     let patches = tracer.enclosure().patches();
-    if let Surfaces::Radiance { emission, reflectance } = surfaces {
+    if let Surfaces::Radiance { emission, reflectance, transmittance } = surfaces {
         let count = tracer.enclosure().sides() * bands;
         assert_eq!((emission.len(), reflectance.len()), (count, count), "values fit the sides and bands");
+        assert!(transmittance.is_empty() || transmittance.len() == count, "values fit the sides and bands");
     }
     let paths = settings.paths_per_point.clamp(1, settings.effort.per_round);
     let points = settings.effort.per_round.div_ceil(paths);
@@ -216,8 +219,9 @@ struct Buffers {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     starts: Vec<Start>,
-    /// The pixel within the tile and the side that each path starts for, and what it weighs.
-    owners: Vec<(u32, u32, f32)>,
+    /// The pixel within the tile and the side that each path starts for, what it weighs, and whether what it finds is seen
+    /// through the side.
+    owners: Vec<(u32, u32, f32, bool)>,
     irradiance: Vec<f32>,
     pixels: Vec<f64>,
     walk: Walk,
@@ -287,18 +291,24 @@ impl Film<'_> {
             for ((ray, hit), index) in rays.iter().zip(hits).zip(0..) {
                 let seen = self.seen(ray, hit, |met| survival(&sequence, index, met));
                 let Some((weight, side, point)) = seen else { continue };
-                if let Surfaces::Radiance { emission, reflectance } = self.surfaces {
+                let mut passes = false;
+                if let Surfaces::Radiance { emission, reflectance, transmittance } = self.surfaces {
+                    passes = transmittance.iter().skip(side * bands).take(bands).any(|&tau| tau > 0.0);
                     let sums = &mut buffers.pixels[pixel * bands..][..bands];
                     let scale = weight * FRAC_1_PI / points as f64;
                     sums.iter_mut().zip(&emission[side * bands..]).for_each(|(sum, &e)| *sum += scale * f64::from(e));
-                    if reflectance[side * bands..][..bands].iter().all(|&rho| rho == 0.0) {
+                    if !passes && reflectance[side * bands..][..bands].iter().all(|&rho| rho == 0.0) {
                         continue;
                     }
                 }
-                let start = Start { point, normal: enclosure.normal(side), key, index: 0 };
-                let indices = (0..self.paths).map(|path| index * self.paths + path);
-                buffers.starts.extend(indices.map(|index| Start { index, ..start }));
-                buffers.owners.extend((0..self.paths).map(|_| (pixel as u32, side as u32, weight as f32)));
+                let normal = enclosure.normal(side);
+                let across = passes.then(|| (enclosure.across(side, point), -normal, true));
+                for (point, normal, passes) in [(point, normal, false)].into_iter().chain(across) {
+                    let indices = (0..self.paths).map(|path| index * self.paths + path);
+                    buffers.starts.extend(indices.map(|index| Start { point, normal, key, index }));
+                    let owner = (pixel as u32, side as u32, weight as f32, passes);
+                    buffers.owners.extend((0..self.paths).map(|_| owner));
+                }
             }
         }
     }
@@ -308,9 +318,9 @@ impl Film<'_> {
         let bands = self.tracer.bands();
         match self.surfaces {
             Surfaces::Irradiance => false,
-            Surfaces::Radiance { emission, reflectance } => {
-                let of_side = |values: &[f32]| values[side * bands..][..bands].iter().all(|&v| v == 0.0);
-                of_side(emission) && of_side(reflectance)
+            Surfaces::Radiance { emission, reflectance, transmittance } => {
+                let of_side = |values: &[f32]| values.iter().skip(side * bands).take(bands).all(|&v| v == 0.0);
+                of_side(emission) && of_side(reflectance) && of_side(transmittance)
             }
         }
     }
@@ -334,19 +344,20 @@ impl Film<'_> {
         }
     }
 
-    /// Adds what is reflected of what arrives.
+    /// Adds what is reflected of what arrives, and what passes of what arrives on the other side.
     fn reflect(&self, buffers: &mut Buffers) {
         let bands = self.tracer.bands();
         let share = 1.0 / f64::from(self.points() * self.paths);
-        for (&(pixel, side, weight), found) in buffers.owners.iter().zip(buffers.irradiance.chunks_exact(bands)) {
+        for (&(pixel, side, weight, passes), found) in buffers.owners.iter().zip(buffers.irradiance.chunks_exact(bands))
+        {
             let sums = &mut buffers.pixels[pixel as usize * bands..][..bands];
             let share = share * f64::from(weight);
             match self.surfaces {
                 Surfaces::Irradiance => {
                     sums.iter_mut().zip(found).for_each(|(sum, &h)| *sum += share * f64::from(h));
                 }
-                Surfaces::Radiance { reflectance, .. } => {
-                    let own = &reflectance[side as usize * bands..];
+                Surfaces::Radiance { reflectance, transmittance, .. } => {
+                    let own = &(if passes { transmittance } else { reflectance })[side as usize * bands..];
                     for ((sum, &h), &rho) in sums.iter_mut().zip(found).zip(own) {
                         *sum += share * FRAC_1_PI * f64::from(rho) * f64::from(h);
                     }
@@ -384,7 +395,7 @@ mod tests {
         let tracer = Tracer::paths(&enclosure, 1, Exitance::Uniform(ones.clone()), half.clone(), vec![], 1);
         // Beyond what the picture takes in one tile, and seen from outside, through the backs.
         let (eye, settings) = (camera(DVec3::new(0.2, 0.3, 2.0), 0.4), settings(21, 18, Effort::of_samples(256)));
-        let surfaces = Surfaces::Radiance { emission: &ones, reflectance: &half };
+        let surfaces = Surfaces::Radiance { emission: &ones, reflectance: &half, transmittance: &[] };
         let traced = trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
         let truth = (2.0 * FRAC_1_PI) as f32;
         let scores: Vec<f32> = traced
@@ -410,7 +421,7 @@ mod tests {
         let enclosure = furnace();
         let tracer = Tracer::gather(&enclosure, 1, Exitance::Corners(vec![2.0; 96]), vec![], 1);
         let (emission, reflectance) = (vec![1.0; 24], vec![0.5; 24]);
-        let surfaces = Surfaces::Radiance { emission: &emission, reflectance: &reflectance };
+        let surfaces = Surfaces::Radiance { emission: &emission, reflectance: &reflectance, transmittance: &[] };
         let (eye, settings) = (camera(DVec3::new(0.1, 0.1, 0.4), 1.0), settings(20, 20, Effort::at_once(8)));
         let make = || trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
         let traced = make();
