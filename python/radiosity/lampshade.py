@@ -153,10 +153,13 @@ def _leaf(length: float, half_width: float, rise: float, bend: float) -> tuple[F
     width = half_width * np.sin(math.pi * t**0.8) ** 0.9 + 0.002 * (1 - t)
     lift = np.column_stack([-np.sin(slope), np.cos(slope), np.zeros(len(t))]) * (0.35 * width)[:, None]
     edge = np.column_stack([np.zeros((len(t), 2)), width])
-    vertices = np.concatenate([rib, rib + lift + edge, rib + lift - edge])
-    n, faces = len(t), []
-    for k in range(n - 1):
-        for side, order in ((n, 1), (2 * n, -1)):
-            faces += [[k, side + k, side + k + 1][::order], [k, side + k + 1, k + 1][::order]]
-    used = [f for f in faces if np.linalg.norm(np.cross(*(vertices[f[1:]] - vertices[f[0]]))) > 1e-9]
-    return vertices, np.array(used)
+    # Both edges end in the tip.
+    vertices = np.concatenate([rib, (rib + lift + edge)[:-1], (rib + lift - edge)[:-1]])
+    n = len(t)
+    faces = []
+    for first, order in ((n, 1), (2 * n - 1, -1)):
+        side = [*range(first, first + n - 1), n - 1]
+        for k in range(n - 1):
+            faces.append([k, side[k], side[k + 1]][::order])
+            faces += [[k, side[k + 1], k + 1][::order]] if k < n - 2 else []
+    return vertices, np.array(faces)

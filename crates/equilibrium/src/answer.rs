@@ -339,15 +339,25 @@ impl Task<'_> {
         let mut values: Vec<Values<C>> = seen.iter().map(radiosity).collect();
         if let Some((other, transmittance)) = self.through(side) {
             let transmittance = of(transmittance);
-            let across = self.see(elements, strengths, fine, other);
-            let whole = across.iter().fold(Seen::default(), |a, b| a.plus(b));
-            for (value, s) in values.iter_mut().zip(&across) {
-                let irradiance = s.irradiance(&whole).map(|h| h * s.exposure(&whole));
-                (0..C).for_each(|c| value[c] += transmittance[c] * irradiance[c]);
+            for (value, arriving) in values.iter_mut().zip(self.arriving(elements, strengths, fine, other)) {
+                (0..C).for_each(|c| value[c] += transmittance[c] * arriving[c]);
             }
         }
         let mean = mean_over_exposed(&seen, &values).unwrap_or(emission);
         (values, mean)
+    }
+
+    /// Irradiance of all of each element of a side, where what is buried is dark.
+    fn arriving<const C: usize>(
+        &self,
+        elements: &Elements,
+        strengths: &[Values<C>],
+        fine: &Fine<C>,
+        side: usize,
+    ) -> Vec<Values<C>> {
+        let seen = self.see(elements, strengths, fine, side);
+        let whole = seen.iter().fold(Seen::default(), |a, b| a.plus(b));
+        seen.iter().map(|s| s.irradiance(&whole).map(|h| h * s.exposure(&whole))).collect()
     }
 
     /// What the elements of a side see through its samples.

@@ -321,27 +321,37 @@ pub fn lighting_in(
         let (patch, value) = (k / bands, emission[k]);
         return Err(PyValueError::new_err(format!("patch {patch}: emission {value} is not a nonnegative number")));
     }
-    let scattered: Vec<f64> = match diffuse_transmittance.is_empty() {
-        true => reflectance.clone(),
-        false => reflectance.iter().zip(&diffuse_transmittance).map(|(rho, tau)| rho + tau).collect(),
-    };
+    let scattered = scattered(enclosure, &reflectance, &diffuse_transmittance, bands)?;
+    check_diffuse_parts(enclosure, &scattered, &emission, bands)?;
+    let lamps = lamps.into_iter().map(|l| lamp_in(l, bands)).collect::<PyResult<_>>()?;
+    Ok(Lighting { bands, reflectance, emission, lamps, diffuse_transmittance })
+}
+
+/// What patches send back and on together; light passes through those that have a back only.
+fn scattered(
+    enclosure: &radiosity_exchange::Enclosure,
+    reflectance: &[f64],
+    through: &[f64],
+    bands: usize,
+) -> PyResult<Vec<f64>> {
+    let passing = through.iter().chain(std::iter::repeat(&0.0));
+    let scattered: Vec<f64> = reflectance.iter().zip(passing).map(|(rho, tau)| rho + tau).collect();
     if let Some(k) = scattered.iter().position(|r| *r >= 1.0) {
         return Err(PyValueError::new_err(format!(
             "patch {}: reflectance {} and diffuse transmittance {} must together stay below 1",
             k / bands,
             reflectance[k],
-            diffuse_transmittance[k]
+            through[k]
         )));
     }
-    let one_sided = |k: &usize| diffuse_transmittance[*k] > 0.0 && !enclosure.patches().two_sided[k / bands];
-    if let Some(k) = (0..diffuse_transmittance.len()).find(one_sided) {
-        let message =
-            format!("patch {}: light passes through it diffusely, and it has no back: make it two-sided", k / bands);
-        return Err(PyValueError::new_err(message));
+    let two_sided = &enclosure.patches().two_sided;
+    match (0..through.len()).find(|&k| through[k] > 0.0 && !two_sided[k / bands]) {
+        None => Ok(scattered),
+        Some(k) => Err(PyValueError::new_err(format!(
+            "patch {}: light passes through it diffusely, and it has no back: make it two-sided",
+            k / bands
+        ))),
     }
-    check_diffuse_parts(enclosure, &scattered, &emission, bands)?;
-    let lamps = lamps.into_iter().map(|l| lamp_in(l, bands)).collect::<PyResult<_>>()?;
-    Ok(Lighting { bands, reflectance, emission, lamps, diffuse_transmittance })
 }
 
 /// Paint and light of patches that are mirrors or let light through, of which only a part is diffuse.
