@@ -135,6 +135,28 @@ def test_light_gets_into_the_next_room_as_paths_find_it(tau: Any) -> None:
     assert 0.01 < mean(solution.irradiance, patches, behind) / mean(solution.irradiance, patches, ~behind) < 1
 
 
+def test_what_passes_into_a_solid_is_lost_there() -> None:
+    # A crate stands on a shelf of glassy plastic, not quite along its patches. Light from below ends in it.
+    crate = [
+        quad(c, u, v, name=f"crate {k}", reflectance=0.5)
+        for k, (c, u, v) in enumerate([
+            ((0.33, 0.37, 0.8), (0.31, 0, 0), (0, 0.29, 0)), ((0.33, 0.37, 0.5), (0.31, 0, 0), (0, 0, 0.3)),
+            ((0.64, 0.37, 0.5), (0, 0.29, 0), (0, 0, 0.3)), ((0.64, 0.66, 0.5), (-0.31, 0, 0), (0, 0, 0.3)),
+            ((0.33, 0.66, 0.5), (0, -0.29, 0), (0, 0, 0.3)),
+        ])
+    ]  # fmt: skip
+    room = box((1, 1, 1), **{**all_walls(reflectance=0.3), "z0": {"reflectance": 0.2, "emission": 1.0}})
+    shelf = quad((0, 0, 0.5), (1, 0, 0), (0, 1, 0), name="shelf", reflectance=0.1, diffuse_transmittance=0.7)
+    patches = Scene([*room, *crate, shelf]).patches(max_edge=0.25, contacts=False)
+    solution = radiosity.solve(patches, accuracy=0.005, seed=3)
+    assert_balanced(solution, 0.01)
+    # What arrives below the crate, on the four patches in the middle, and passes.
+    under = of(solution, "shelf") & (np.abs(patches.centre[:, :2] - 0.5) < 0.25).all(axis=1)
+    passed = 0.7 * solution.back_irradiance[under, 0].mean() * 0.31 * 0.29
+    assert under.sum() == 4
+    assert solution.report.lost_on_backs[0] == pytest.approx(passed, rel=0.05)
+
+
 def test_errors_that_are_told_hold() -> None:
     # Means of patches against a far more accurate solution of the same.
     patches = two_rooms(0.6).patches(max_edge=0.25)
