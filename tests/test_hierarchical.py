@@ -138,6 +138,7 @@ def test_the_choice(box: Patches) -> None:
     class Many:
         def __init__(self, n: int) -> None:
             self.n, self.two_sided, self.is_specular = n, np.zeros(n, bool), False
+            self.is_translucent = False
 
         def __len__(self) -> int:
             return self.n

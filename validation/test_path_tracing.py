@@ -249,7 +249,7 @@ def test_lit_models_keep_their_mirrors(tmp_path: object) -> None:
     solution.save(path)
     lit = load_lit(path)
     assert lit is not None
-    kept = {name: parts for name, *_, specular, clear in lit.surfaces if any(parts := (specular, clear))}
+    kept = {name: parts for name, *_, specular, clear, _ in lit.surfaces if any(parts := (specular, clear))}
     # Surfaces without backs are written with one too.
     assert kept.pop("mirror (back)") == kept["mirror"]
     assert kept == {"mirror": (0.9, 0.0), "pane": (0.5 * (1 - 0.8), 0.8), "pane (back)": (0.5 * (1 - 0.8), 0.8)}

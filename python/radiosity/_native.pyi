@@ -22,14 +22,15 @@ LightTuple = tuple[str, str, _Triple, _Triple, float, float, list[float]]
 CsrTuple = tuple[npt.NDArray[np.int64], _Indices, _Floats]
 # name, position, forward, up, vertical angle of view, aspect
 CameraTuple = tuple[str, _Triple, _Triple, _Triple, float, float | None]
-# name, material, reflectance, two-sided, specular, transmittance
-LitSurfaceTuple = tuple[str, str, list[float], bool, float, float]
+# name, material, reflectance, two-sided, specular, transmittance, diffuse transmittance or nothing
+LitSurfaceTuple = tuple[str, str, list[float], bool, float, float, list[float]]
 # severity, code, element, message; surface, (k,) faces of it, (k, 2, 3) edges, (k, 3) points
 _FindingTuple = tuple[Any, str, str, str, int | None, _Indices, _Floats, _Floats]
 # name, vertices, faces, material, reflectance, emission, two-sided
-# name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance
-_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float]
-_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float]
+# name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance, diffuse
+# transmittance or nothing
+_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float, list[float]]
+_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float, list[float]]
 
 class SceneError(ValueError):
     """A scene that cannot be read, meshed or lit."""
@@ -149,6 +150,7 @@ class Solution:
         threads: int | None = None,
         progress: _Progress | None = None,
         as_field: bool = False,
+        diffuse_transmittance: _Floats | None = None,
     ) -> Solution: ...
     def on_sides(
         self,
@@ -158,6 +160,7 @@ class Solution:
         accuracy: float,
         method: str,
         threads: int | None = None,
+        diffuse_transmittance: _Floats | None = None,
     ) -> _Floats | None: ...
     def gradients(
         self,
@@ -267,6 +270,7 @@ def solve(
     progress: _Progress | None = None,
     as_field: bool = False,
     importance: _Floats | None = None,
+    diffuse_transmittance: _Floats | None = None,
 ) -> Solution: ...
 def solve_on_demand(
     enclosure: Enclosure,
@@ -372,6 +376,7 @@ def render(
     going_on: _Floats | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
+    diffuse_transmittance: list[list[float]] | None = None,
 ) -> _Pixels: ...
 def write_png(path: str, image: _Pixels, exposure: float | None = None, curve: str = "filmic") -> None: ...
 def write_false_colours(
@@ -396,6 +401,7 @@ def gather(
     going_on: _Floats | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
+    diffuse_transmittance: _Floats | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...
 def path_trace(
     patches: Patches,
@@ -412,6 +418,7 @@ def path_trace(
     going_on: _Floats | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
+    diffuse_transmittance: _Floats | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...
 
 # irradiance and its standard error, samples, relative error, rays
@@ -427,4 +434,5 @@ def path_irradiance(
     seed: int,
     threads: int | None = None,
     progress: _Progress | None = None,
+    diffuse_transmittance: _Floats | None = None,
 ) -> tuple[_Floats, _Floats, int, float, int]: ...

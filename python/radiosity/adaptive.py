@@ -280,9 +280,14 @@ def focus_on(scene: Scene, name: str) -> Callable[[Solution | None, Patches], Fl
     says that light from there is worth.
 
     Raises:
-        ValueError: there is no such surface.
+        ValueError: there is no such surface, or light passes through one diffusely.
     """
     names = [surface.name for surface in scene.surfaces]
+    through = next((s.name for s in scene.surfaces if np.any(s.diffuse_transmittance)), None)
+    if through is not None:
+        raise ValueError(
+            f"surface '{through}' lets light through diffusely, which no focus can follow: leave out focus"
+        )
     if name not in names:
         near = ", ".join(those_near(name, names))
         raise ValueError(f"there is no surface '{name}' to focus on; there are {near}")

@@ -28,8 +28,9 @@ def choose(patches: Patches, accuracy: float, memory_limit: int) -> tuple[Way, s
     """The way to solve, and why, in words for a report."""
     sides = len(patches) + int(np.count_nonzero(patches.two_sided))
     needed = BYTES_OF_BLOCKS * sides
-    if patches.is_specular:
-        return "sampled", "nothing else follows light by mirrors and glass"
+    if patches.is_specular or patches.is_translucent:
+        ways = "by mirrors and glass" if patches.is_specular else "through paper and leaves"
+        return "sampled", f"nothing else follows light {ways}"
     if sides < MANY_SIDES:
         return "sampled", f"{sides:,} sides are few"
     if sides >= TOO_MANY_SIDES:

@@ -35,7 +35,8 @@ class LitModel:
 
     Attributes:
         patches: the native patches.
-        surfaces: name, material, reflectance per band, two-sidedness, mirror reflectance and transmittance of each.
+        surfaces: name, material, reflectance per band, two-sidedness, mirror reflectance, transmittance and diffuse
+            transmittance per band, or none, of each.
         bands: names of the bands.
         emission, irradiance, radiosity, error: (n, bands) W/m2.
         cameras: viewpoints.
@@ -72,9 +73,25 @@ class LitModel:
     @property
     def _going_on(self) -> Floats | None:
         """(n, 2) mirror reflectance and transmittance of the patches; None where there is neither."""
-        parts = np.array([surface[-2:] for surface in self.surfaces], dtype=np.float64)
+        parts = np.array([surface[4:6] for surface in self.surfaces], dtype=np.float64)
         parts = parts.reshape(-1, 2)[self.patches.surface]
         return np.ascontiguousarray(parts) if parts.any() else None
+
+    @property
+    def _through(self) -> Floats | None:
+        """(n, bands) diffuse transmittance of the patches; None where there is none."""
+        bands = len(self.bands)
+        spectra = np.array([surface[6] or [0.0] * bands for surface in self.surfaces], dtype=np.float64)
+        return np.ascontiguousarray(spectra.reshape(-1, bands)[self.patches.surface]) if spectra.any() else None
+
+    @property
+    def _passed(self) -> Floats | float:
+        """(n, bands) W/m2 of what leaves patches that arrived on their other sides; 0 where nothing passes."""
+        through = self._through
+        if through is None:
+            return 0.0
+        apart: Floats = self.radiosity - self.emission - self._reflectance * self.irradiance
+        return np.where(through > 0, np.maximum(apart, 0.0), 0.0)
 
     def relit(self, solution: Solution) -> LitModel:
         """The same patches with the light of another solution on them.
@@ -87,19 +104,23 @@ class LitModel:
             raise ValueError("the solution is on other patches than the model")
         return replace(self, **_light_of(solution, back))
 
-    def with_light(self, emission: Floats, irradiance: Floats, reflectance: Floats) -> LitModel:
-        """The same patches with other light and paint, (n, bands) each; of the error nothing new is known."""
+    def with_light(
+        self, emission: Floats, irradiance: Floats, reflectance: Floats, passed: Floats | float = 0.0
+    ) -> LitModel:
+        """The same patches with other light and paint, (n, bands) each; of the error nothing new is known.
+
+        ``passed`` is the part of radiosity that comes from their other sides, W/m2.
+        """
         means = _means(self.patches.surface, len(self.surfaces), reflectance)
-        surfaces = [
-            (name, paint, rho, both, mirrored, passed)
-            for (name, paint, _, both, mirrored, passed), rho in zip(self.surfaces, means, strict=True)
+        surfaces: list[_native.LitSurfaceTuple] = [
+            (*surface[:2], rho, *surface[3:]) for surface, rho in zip(self.surfaces, means, strict=True)
         ]
         return replace(
             self,
             surfaces=surfaces,
             emission=emission,
             irradiance=irradiance,
-            radiosity=emission + reflectance * irradiance,
+            radiosity=emission + reflectance * irradiance + passed,
         )
 
     def _native_fields(self) -> tuple[Any, ...]:
@@ -123,7 +144,14 @@ def _means(surface: npt.NDArray[np.uint32], n: int, values: Floats) -> list[list
 def _light_of(solution: Solution, back: npt.NDArray[np.intp]) -> dict[str, Any]:
     """The fields of a lit model that are not of its geometry; ``back`` are the patches whose backs count."""
     surfaces = [
-        (s.name, s.material, reflectance, False, *solution.patches.scene._going_on(s))
+        (
+            s.name,
+            s.material,
+            reflectance,
+            False,
+            *solution.patches.scene._going_on(s),
+            solution.patches.scene._through(s),
+        )
         for s, reflectance in zip(solution.patches.scene.surfaces, _surface_reflectance(solution), strict=True)
     ]
     if len(back):
@@ -142,6 +170,19 @@ def _light_of(solution: Solution, back: npt.NDArray[np.intp]) -> dict[str, Any]:
         "error": np.concatenate([solution.error, solution.back_error[back]]),
         "report": solution.report.to_dict(timed=False),
     }
+
+
+def passed_through(patches: Patches, irradiance: Floats) -> Floats | float:
+    """What leaves each side that arrived on the other: (n_sides, n_bands) of an irradiance of such a shape, W/m2.
+
+    Fronts of all patches, then backs. 0 where nothing passes.
+    """
+    if not patches.is_translucent:
+        return 0.0
+    back, n = np.flatnonzero(patches.two_sided), len(patches)
+    passed, through = np.zeros_like(irradiance), patches.diffuse_transmittance[back]
+    passed[back], passed[n:] = through * irradiance[n:], through * irradiance[back]
+    return passed
 
 
 def _with_backs(p: Patches, back: npt.NDArray[np.intp]) -> _native.Patches:
@@ -212,6 +253,8 @@ def _save_arrays(solution: Solution, path: Path) -> None:
     }
     if p.is_specular:
         arrays |= {"specular": p.specular, "transmittance": p.transmittance}
+    if p.is_translucent:
+        arrays |= {"diffuse_transmittance": p.diffuse_transmittance}
     write_whole(path, lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
 
 

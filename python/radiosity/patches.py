@@ -104,6 +104,21 @@ class Patches:
         return self._going_on[:, 1]
 
     @cached_property
+    def diffuse_transmittance(self) -> Floats:
+        """(n, bands) what leaves the other side diffusely."""
+        return self._per_patch([s.diffuse_transmittance for s in self.scene.surfaces])
+
+    @cached_property
+    def is_translucent(self) -> bool:
+        """Whether light passes through any patch diffusely."""
+        return any(bool(np.any(s.diffuse_transmittance)) for s in self.scene.surfaces)
+
+    @property
+    def _through(self) -> Floats | None:
+        """Diffuse transmittance for the engine; None where there is none."""
+        return np.ascontiguousarray(self.diffuse_transmittance) if self.is_translucent else None
+
+    @cached_property
     def _going_on(self) -> Floats:
         if not self.scene.surfaces:
             return np.zeros((len(self), 2))  # patches without a scene of their own
@@ -127,12 +142,26 @@ class Patches:
         specular, transmittance = (np.ascontiguousarray(part) for part in (self.specular, self.transmittance))
         return _native.Enclosure(self._native, None, specular, transmittance)
 
+    def _demand_opaque(self, way: str, remedy: str = "solve with transport='sampled', or ") -> None:
+        """Refuse what lets light through diffusely, for a ``way`` to solve that takes patches for opaque.
+
+        Raises:
+            ValueError: there is any; the message names a surface.
+        """
+        name = next((s.name for s in self.scene.surfaces if np.any(s.diffuse_transmittance)), None)
+        if name is not None:
+            raise ValueError(
+                f"surface '{name}' lets light through diffusely, which {way} cannot follow: {remedy}"
+                "set its diffuse_transmittance to 0"
+            )
+
     def _diffuse_enclosure(self, way: str) -> _native.Enclosure:
-        """The enclosure for a ``way`` to solve that follows no light by mirrors and glass.
+        """The enclosure for a ``way`` to solve that follows no light by mirrors and glass, or through leaves.
 
         Raises:
             ValueError: there are any; the message names a surface.
         """
+        self._demand_opaque(way)
         if self.is_specular:
             surface = self.scene.surfaces[int(self.surface[np.flatnonzero(self._going_on.any(axis=1))[0]])]
             what = "is a mirror" if np.any(surface.specular) else "lets light through"

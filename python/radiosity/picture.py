@@ -123,6 +123,7 @@ def render(
         np.ascontiguousarray(lit.irradiance) if is_radiosity else None,
         [reflectance for _, _, reflectance, *_ in lit.surfaces] if is_radiosity else None,
         lit._going_on if is_radiosity else None, threads, progress,
+        [surface[6] for surface in lit.surfaces] if is_radiosity else None,
     )  # fmt: skip
 
 
@@ -153,7 +154,7 @@ def _gather(
         model.patches, blocks[0], blocks[1], blocks[2], blocks[3], model.lights or [],
         (camera or default_camera(model))._tuple(), width, height,
         whole(samples, "samples", 1, 1 << 24), "radiance" if show == "radiosity" else show,
-        whole(seed, "seed", 0, 2**64 - 1), model._going_on, threads, progress,
+        whole(seed, "seed", 0, 2**64 - 1), model._going_on, threads, progress, model._through,
     )[0]  # fmt: skip
 
 

@@ -62,8 +62,9 @@ def _unit(direction: Sequence[float] | Floats, light: str) -> Triple:
 class Surface:
     """Polygons that share one material.
 
-    Of what meets a surface, diffuse reflectance, mirror reflectance and transmittance are parts, which together stay
-    below 1 in every band; the rest is absorbed. An ideal mirror or pane, of reflectance 0, may send on all of it.
+    Of what meets a surface, diffuse reflectance, diffuse transmittance, mirror reflectance and transmittance are parts,
+    which together stay below 1 in every band; the rest is absorbed. An ideal mirror or pane, of reflectance 0, may send
+    on all of it.
 
     Args:
         vertices: (n, 3) float, metres.
@@ -77,6 +78,8 @@ class Surface:
         specular: mirror reflectance in [0, 1], the same in all bands: what goes on as from a plane mirror.
         transmittance: what passes straight through, as through a thin sheet of clear glass and from either side, in
             [0, 1], the same in all bands.
+        diffuse_transmittance: what leaves the other side diffusely, as of paper and leaves and from either side, in
+            [0, 1), a number or one per band. A surface that has any is two-sided.
     """
 
     vertices: npt.ArrayLike
@@ -88,6 +91,7 @@ class Surface:
     material: str = ""
     specular: npt.ArrayLike = 0.0
     transmittance: npt.ArrayLike = 0.0
+    diffuse_transmittance: npt.ArrayLike = 0.0
 
     def __post_init__(self) -> None:
         vertices, faces = np.asarray(self.vertices, dtype=np.float64), np.asarray(self.faces)
@@ -99,6 +103,7 @@ class Surface:
             raise SceneError(f"surface '{self.name}': faces must have shape (m, 3) or (m, 4), not {faces.shape}")
         self.vertices = np.ascontiguousarray(vertices if vertices.size else np.zeros((0, 3)))
         self.faces = np.ascontiguousarray(faces if faces.size else np.zeros((0, 3)), dtype=np.int64)
+        self.two_sided = self.two_sided or bool(np.any(self.diffuse_transmittance))
 
 
 @dataclass(eq=False)
@@ -267,6 +272,7 @@ class Scene:
 
     def _longest_spectrum(self) -> int:
         spectra = [s.reflectance for s in self.surfaces] + [s.emission for s in self.surfaces]
+        spectra += [s.diffuse_transmittance for s in self.surfaces]
         spectra += [li.irradiance if isinstance(li, DirectionalLight) else li.intensity for li in self.lights]
         return max((_bands_of(s) for s in spectra), default=1)
 
@@ -293,12 +299,13 @@ class Scene:
         surfaces = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
              _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
-             _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s))
+             _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s),
+             self._through(s))
             for s in self.surfaces
         ]  # fmt: skip
-        obstructions = [
+        obstructions: list[_native._SurfaceIn] = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
-             [0.0] * n, [0.0] * n, False, 0.0, 0.0)
+             [0.0] * n, [0.0] * n, False, 0.0, 0.0, [])
             for s in self.obstructions
         ]  # fmt: skip
         lights, cameras = [light._tuple(n) for light in self.lights], [camera._tuple() for camera in self.cameras]
@@ -312,6 +319,12 @@ class Scene:
         n = len(self.bands)
         specular = _grey(surface.specular, n, f"specular of surface '{surface.name}'")
         return specular, _grey(surface.transmittance, n, f"transmittance of surface '{surface.name}'")
+
+    def _through(self, surface: Surface) -> list[float]:
+        """Diffuse transmittance per band; empty where there is none."""
+        what = f"diffuse_transmittance of surface '{surface.name}'"
+        spectrum = _spectrum(surface.diffuse_transmittance, len(self.bands), what)
+        return spectrum if any(spectrum) else []
 
     def findings(self, *, enclosure: bool | None = None) -> list[Finding]:
         """Everything worth knowing before lighting the scene, worst first.
@@ -364,8 +377,9 @@ class Scene:
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:
-    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance = fields
-    return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance)
+    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through = fields
+    return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance,
+                   through or 0.0)  # fmt: skip
 
 
 def _trim(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]:

@@ -14,6 +14,7 @@ from radiosity.cornell_spectra import cornell_box_spectral
 from radiosity.crater import crater
 from radiosity.ferren import ferren
 from radiosity.goral import goral_box
+from radiosity.lampshade import lampshade
 from radiosity.mirror_room import mirror_room
 from radiosity.scene import Scene
 
@@ -79,6 +80,7 @@ BUILTIN_SCENES: dict[str, Callable[[], Scene]] = {
     "furnished-room": furnished_room,
     "furnace": furnace,
     "goral-box": goral_box,
+    "lampshade": lampshade,
     "mirror-room": mirror_room,
     "two-plates": two_plates,
 }

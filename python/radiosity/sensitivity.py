@@ -134,8 +134,9 @@ def demand_exchange(solution: Solution) -> None:
     """Refuse a solution that nothing can be sent back through.
 
     Raises:
-        ValueError: it kept no exchange.
+        ValueError: it kept no exchange, or light passes through patches diffusely.
     """
+    solution.patches._demand_opaque("importance, sent back from what it is of,", "")
     made = solution.report.transport
     if made == "shooting":
         raise ValueError("shooting keeps no exchange to send importance back through: solve with "

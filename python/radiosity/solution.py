@@ -167,6 +167,7 @@ class Solution:
         native = self._native.relight(
             new_reflectance, new_emission, _lamps(self.patches.scene, o.get("lights")), o["accuracy"], o["solver"],
             o["exact"], o["max_iterations"], o["threads"], progress, self.report.of_field,
+            diffuse_transmittance=self.patches._through,
         )  # fmt: skip
         return Solution(
             self.patches, native, new_reflectance, new_emission, o, self.report.transport, self.report.why
@@ -182,8 +183,9 @@ class Solution:
             return None
         o = self._options
         return self._native.on_sides(  # type: ignore[no-any-return]
-            reflectance, emission, _lamps(self.patches.scene, lights), o["accuracy"], o["solver"], o["threads"]
-        )
+            reflectance, emission, _lamps(self.patches.scene, lights), o["accuracy"], o["solver"], o["threads"],
+            self.patches._through,
+        )  # fmt: skip
 
     def sensitivity(self, target: Functional, *, progress: Progress | None = None) -> Sensitivity:
         """How a mean of irradiance, or another weighted sum of it, changes with every lamp and every paint.
@@ -277,10 +279,10 @@ def solve(
         accuracy: wanted error of irradiance, root mean square over area and bands, relative to its mean. The engine
             works until its own estimate of the error is below; ``report.reached`` says whether it got there.
         transport: what the equations are solved on. "sampled": samples of what every patch sees, which the answer is
-            gathered through once more, and that alone follows light by mirrors and clear glass. "hierarchical": an
-            exchange in blocks made for this light, for many patches; it is relit in no time. Or form factors F to solve
-            ``B = E + rho F B`` on, exactly as they are and patch by patch. Left out, the engine chooses by size,
-            accuracy and memory; ``report.why`` says why.
+            gathered through once more, and that alone follows light by mirrors and clear glass, and through what lets
+            light through diffusely. "hierarchical": an exchange in blocks made for this light, for many patches; it is
+            relit in no time. Or form factors F to solve ``B = E + rho F B`` on, exactly as they are and patch by patch.
+            Left out, the engine chooses by size, accuracy and memory; ``report.why`` says why.
         solver: how the equations are solved (default "conjugate_gradient"; where nothing else fits, and ``transport``
             is left out too, the engine chooses "shooting"). "conjugate_gradient" takes fewest products where much is
             reflected. "jacobi" is light bounce by bounce, "gauss_seidel" patch by patch, and "over_relaxation" the
@@ -316,8 +318,8 @@ def solve(
     Raises:
         SceneError: the scene cannot be lit.
         ResourceError: not even a first estimate fits the memory limit.
-        ValueError: there is no such solver, ``on_iterate`` for a solve that samples, or mirrors or glass for one that
-            does not.
+        ValueError: there is no such solver, ``on_iterate`` for a solve that samples, or mirrors, glass or diffuse
+            transmittance for one that does not.
     """
     memory, why = memory_or_most(memory_limit), ""
     if isinstance(scene, Scene) and _is_adaptable(scene, transport, solver, start, on_iterate):
@@ -399,7 +401,7 @@ class Sampling:
         native = _native.solve(
             patches._enclosure, *_light(patches), accuracy, options["seed"],
             whole(self.max_rays, "max_rays", 1, 2**32 - 1), self.memory, self.solver, options["exact"],
-            options["max_iterations"], options["threads"], progress, wanted is not None, importance,
+            options["max_iterations"], options["threads"], progress, wanted is not None, importance, patches._through,
         )  # fmt: skip
         return Solution(patches, native, patches.reflectance, patches.emission, options, "sampled", why)
 

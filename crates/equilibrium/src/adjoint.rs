@@ -42,6 +42,11 @@ pub enum Failure {
         "the equations of this solution cannot be solved: rows of the exchange sum to more than 1 over reflectance"
     )]
     Diverged,
+    /// There are no derivatives through sheets.
+    #[error(
+        "patches let light through diffusely, and derivatives cannot follow it: set their diffuse transmittance to 0"
+    )]
+    Translucent,
 }
 
 impl From<Cancelled> for Failure {
@@ -63,6 +68,7 @@ pub fn gradients(
     weights: &[Vec<f64>],
     control: &Control,
 ) -> Result<Vec<Gradient>, Failure> {
+    lighting.demand_opaque("an adjoint solution").map_err(|_| Failure::Translucent)?;
     let enclosure = solution.source.enclosure();
     let size = enclosure.sides() * lighting.bands;
     // Backs follow fronts.

@@ -4,6 +4,7 @@ mod transposed;
 
 use crate::lighting::Lighting;
 use crate::solve::Measurement;
+use crate::translucency::Translucency;
 use crate::transport::Transport;
 use radiosity_exchange::{Elements, Luminaire, Shot};
 use radiosity_operator::{Cancelled, Control, Operator};
@@ -98,11 +99,14 @@ impl Task<'_> {
         enclosure.counted_area(side) * self.importance.get(enclosure.patch_of(side)).unwrap_or(&1.0)
     }
 
-    /// `B = E + rho H`, sides x bands.
+    /// `B = E + rho H + tau H'`, sides x bands, where H' is that of the other side.
     pub fn radiosity(&self, lighting: &Lighting, irradiance: &[f64]) -> Vec<f64> {
         let emission = self.per_side(|p| lighting.emission_of(p));
         let reflectance = self.per_side(|p| lighting.reflectance_of(p));
-        emission.iter().zip(&reflectance).zip(irradiance).map(|((e, rho), h)| e + rho * h).collect()
+        let mut radiosity: Vec<f64> =
+            emission.iter().zip(&reflectance).zip(irradiance).map(|((e, rho), h)| e + rho * h).collect();
+        Translucency::new(self.transport().enclosure(), lighting).add(irradiance, &mut radiosity);
+        radiosity
     }
 
     fn finish_all(
@@ -161,7 +165,9 @@ impl Task<'_> {
             incident: &incident,
             bands: self.lighting.bands,
         };
-        (self.solver)(&problem, &self.options, self.control)
+        let enclosure = self.transport().enclosure();
+        let exposure = |side: usize| ratio(area[side], enclosure.diffuse_area(side));
+        Translucency::new(enclosure, self.lighting).solve(&problem, exposure, self.solver, &self.options, self.control)
     }
 
     /// Irradiance of that much of each side from lights without area, sides x bands.
@@ -205,6 +211,13 @@ impl Task<'_> {
         power
     }
 
+    /// The other side of a patch that light passes through, and what passes.
+    pub fn through(&self, side: usize) -> Option<(usize, &[f64])> {
+        let enclosure = self.transport().enclosure();
+        let transmittance = self.lighting.diffuse_transmittance_of(enclosure.patch_of(side))?;
+        Some((enclosure.opposite(side)?, transmittance))
+    }
+
     /// The strength per band of a luminaire that is a light without area.
     fn lamp(&self, luminaire: u32) -> Option<&[f64]> {
         let emitters = self.transport().luminaires().len() - self.lighting.lamps.len();
@@ -221,7 +234,7 @@ impl Task<'_> {
         let (shots, lights) = (self.transport().shots(), self.transport().lights());
         let replicates = shots.replicates() as u32;
         let has_luminaires = !self.transport().luminaires().is_empty();
-        let level = |side| {
+        let resolved = |side| {
             let rays = shots.per_replicate(side) * replicates;
             // Direct light is smooth but for shadows: a quarter of the samples resolves it as well.
             let tests = if has_luminaires { 4 * lights.per_replicate(side) * replicates } else { u32::MAX };
@@ -233,7 +246,9 @@ impl Task<'_> {
                 _ => 3,
             }
         };
-        Elements::new((0..self.sides()).map(level).collect())
+        // Both sides of a sheet alike, so that what passes finds the element across.
+        let across = |side| self.through(side).map_or(u8::MAX, |(other, _)| resolved(other));
+        Elements::new((0..self.sides()).map(|side| resolved(side).min(across(side))).collect())
     }
 
     /// Takes `C` bands from the solution on sides to the answer.
@@ -321,9 +336,28 @@ impl Task<'_> {
             let irradiance = s.irradiance(&whole);
             std::array::from_fn(|c| emission[c] + reflectance[c] * irradiance[c])
         };
-        let values: Vec<Values<C>> = seen.iter().map(radiosity).collect();
+        let mut values: Vec<Values<C>> = seen.iter().map(radiosity).collect();
+        if let Some((other, transmittance)) = self.through(side) {
+            let transmittance = of(transmittance);
+            for (value, arriving) in values.iter_mut().zip(self.arriving(elements, strengths, fine, other)) {
+                (0..C).for_each(|c| value[c] += transmittance[c] * arriving[c]);
+            }
+        }
         let mean = mean_over_exposed(&seen, &values).unwrap_or(emission);
         (values, mean)
+    }
+
+    /// Irradiance of all of each element of a side, where what is buried is dark.
+    fn arriving<const C: usize>(
+        &self,
+        elements: &Elements,
+        strengths: &[Values<C>],
+        fine: &Fine<C>,
+        side: usize,
+    ) -> Vec<Values<C>> {
+        let seen = self.see(elements, strengths, fine, side);
+        let whole = seen.iter().fold(Seen::default(), |a, b| a.plus(b));
+        seen.iter().map(|s| s.irradiance(&whole).map(|h| h * s.exposure(&whole))).collect()
     }
 
     /// What the elements of a side see through its samples.
@@ -492,8 +526,13 @@ impl<const C: usize> Seen<C> {
     /// What a ray and a light sample of those count.
     fn weights(&self, whole: &Seen<C>) -> (f64, f64) {
         let (by_rays, by_lights) = self.or(whole);
-        let exposure = ratio(by_rays.open(), f64::from(by_rays.shots));
-        (ratio(1.0, by_rays.open()), ratio(1.0, f64::from(by_lights.lights) * exposure))
+        (ratio(1.0, by_rays.open()), ratio(1.0, f64::from(by_lights.lights) * self.exposure(whole)))
+    }
+
+    /// The share that is not buried.
+    fn exposure(&self, whole: &Seen<C>) -> f64 {
+        let by_rays = self.or(whole).0;
+        ratio(by_rays.open(), f64::from(by_rays.shots))
     }
 }
 

@@ -48,10 +48,13 @@ impl Energy {
         energy.from_lights.iter_mut().zip(&energy.unfollowed).for_each(|(arrived, left_out)| *arrived += left_out);
         for side in 0..enclosure.sides() {
             let (patch, area) = (enclosure.patch_of(side), enclosure.diffuse_area(side));
+            // What passes is lost where a solid stands.
+            let buried = 1.0 - ratio(task.measurement.exchange.exposed_area[side], area);
+            let through = task.through(side);
             let is_mirror = enclosure.diffuse_share(side) < 1.0;
             for b in 0..bands {
                 let k = side * bands + b;
-                let absorbed = area * (1.0 - task.lighting.reflectance_of(patch)[b]) * answer.irradiance[k];
+                let absorbed = area * task.lighting.absorptance(patch, b) * answer.irradiance[k];
                 energy.emitted[b] += area * task.lighting.emission_of(patch)[b];
                 energy.absorbed[b] += absorbed;
                 if is_mirror {
@@ -59,6 +62,9 @@ impl Energy {
                 }
                 energy.escaped[b] += area * answer.escaped[k];
                 energy.lost_on_backs[b] += area * answer.lost[k];
+                if let Some((other, transmittance)) = through {
+                    energy.lost_on_backs[b] += area * buried * transmittance[b] * answer.irradiance[other * bands + b];
+                }
                 if let Some(unfollowed) = energy.unfollowed.get_mut(b) {
                     *unfollowed += area * answer.unfollowed[k];
                 }

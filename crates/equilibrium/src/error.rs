@@ -2,7 +2,7 @@
 //!
 //! Causes add in squares. The spread of the replicates is the standard error of a side's own samples. The same
 //! spread, sent through the interreflections, is what the noise of other sides adds (first-order perturbation:
-//! `dH = dF B + F rho dH`). Power that the balance cannot explain is an error of the whole. What replacing sides by
+//! `dH = dF B + F rho dH`, where light passes through patches with what leaves their other sides). Power that the balance cannot explain is an error of the whole. What replacing sides by
 //! elements changed bounds what still finer elements would change. Where the answer is wanted as a field, what that
 //! leaves of the light within patches counts too (`mesh_error.rs`).
 //!
@@ -187,12 +187,21 @@ fn carry(task: &Task, deviation: &[f64], replicates: usize) -> Result<Vec<f64>, 
     let enclosure = task.measurement.transport.enclosure();
     let reflectance: Vec<f64> =
         (0..enclosure.sides()).map(|side| mean(task.lighting.reflectance_of(enclosure.patch_of(side)))).collect();
+    let through: Vec<_> = (0..enclosure.sides())
+        .filter_map(|side| task.through(side).map(|(other, transmittance)| (side, other, mean(transmittance))))
+        .collect();
     let area = &task.measurement.exchange.exposed_area;
     let mut carried = vec![0.0; deviation.len()];
     for _ in 0..MOST_BOUNCES {
         task.control.check()?;
-        let reflected: Vec<f64> =
+        let mut reflected: Vec<f64> =
             (0..deviation.len()).map(|k| reflectance[k / replicates] * (deviation[k] + carried[k])).collect();
+        for (side, other, transmittance) in &through {
+            for r in 0..replicates {
+                let k = other * replicates + r;
+                reflected[side * replicates + r] += transmittance * (deviation[k] + carried[k]);
+            }
+        }
         let mut arriving = vec![0.0; deviation.len()];
         task.measurement.exchange.operator.apply(&reflected, &mut arriving, replicates);
         arriving.iter_mut().enumerate().for_each(|(k, v)| *v = ratio(*v, area[k / replicates]));

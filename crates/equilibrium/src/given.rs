@@ -28,6 +28,7 @@ pub fn solve_given(
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
     factors.enclosure.without_specular("given form factors")?;
+    lighting.demand_opaque("given form factors")?;
     let needed = forecast(factors, lighting, settings.accuracy);
     if needed > settings.memory_limit {
         let patches = factors.enclosure.patches().len();
@@ -48,6 +49,7 @@ pub fn relight_given(
     control: &Control,
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
+    lighting.demand_opaque("given form factors")?;
     let enclosure = &factors.enclosure;
     let of_exchange = factors.operator.pairs().is_none();
     let lamps = if of_exchange { lighting.luminaires(enclosure) } else { incident::without_area(lighting) };

@@ -27,6 +27,7 @@ pub mod plan;
 pub mod report;
 pub mod shooting;
 pub mod solve;
+mod translucency;
 pub mod transport;
 
 pub use adjoint::{Gradient, gradients};

@@ -1,6 +1,7 @@
 //! What shines and what reflects: the optics of a solve, apart from its geometry.
 
 use crate::answer::ratio;
+use crate::solve::Failure;
 use radiosity_exchange::luminaires::Luminaires;
 use radiosity_exchange::{Enclosure, Luminaire};
 use std::borrow::Cow;
@@ -16,6 +17,9 @@ pub struct Lighting {
     pub emission: Vec<f64>,
     /// Lights without area.
     pub lamps: Vec<Lamp>,
+    /// Diffuse transmittance in [0, 1), patches x bands: what leaves the other side of a two-sided patch. Empty where
+    /// nothing passes.
+    pub diffuse_transmittance: Vec<f64>,
 }
 
 /// A light without area and its strength per band: W/sr for points and spots, W/m2 for directional light.
@@ -56,14 +60,36 @@ impl Lighting {
         &self.emission[patch * self.bands..(patch + 1) * self.bands]
     }
 
+    /// The bands of what patch `i` sends from either side to the other; none if nothing.
+    pub fn diffuse_transmittance_of(&self, patch: usize) -> Option<&[f64]> {
+        let own = self.diffuse_transmittance.get(patch * self.bands..(patch + 1) * self.bands)?;
+        own.iter().any(|&tau| tau > 0.0).then_some(own)
+    }
+
+    /// What a side absorbs of what meets its diffuse part, as a share of that.
+    pub(crate) fn absorptance(&self, patch: usize, band: usize) -> f64 {
+        1.0 - self.reflectance_of(patch)[band] - self.diffuse_transmittance_of(patch).map_or(0.0, |tau| tau[band])
+    }
+
+    /// Refuses what lets light through diffusely, for a way to solve that takes patches for opaque.
+    pub(crate) fn demand_opaque(&self, way: &'static str) -> Result<(), Failure> {
+        let patches = self.reflectance.len() / self.bands.max(1);
+        match (0..patches).find(|&patch| self.diffuse_transmittance_of(patch).is_some()) {
+            Some(patch) => Err(Failure::Translucent { way, patch }),
+            None => Ok(()),
+        }
+    }
+
     /// A block, sides x bands, with each side's patch's values.
     pub(crate) fn per_side<'a>(&'a self, enclosure: &Enclosure, of_patch: impl Fn(usize) -> &'a [f64]) -> Vec<f64> {
         (0..enclosure.sides()).flat_map(|side| of_patch(enclosure.patch_of(side))).copied().collect()
     }
 
-    /// The largest reflectance of any patch and band.
+    /// The largest reflectance of any patch and band, what leaves the other side included: what light loses least by at
+    /// a bounce.
     pub fn highest_reflectance(&self) -> f64 {
-        self.reflectance.iter().fold(0.0, |a: f64, &b| a.max(b))
+        let through = self.diffuse_transmittance.iter().chain(std::iter::repeat(&0.0));
+        self.reflectance.iter().zip(through).fold(0.0, |a: f64, (rho, tau)| a.max(rho + tau))
     }
 
     /// The optics of what is neither mirror nor pane of patches, as if the rest of their area were not there: what sends
@@ -74,7 +100,9 @@ impl Lighting {
             block.iter().enumerate().map(|(k, v)| ratio(*v, specular.diffuse_share(k / self.bands))).collect()
         };
         let (reflectance, emission) = (scaled(&self.reflectance), scaled(&self.emission));
-        Cow::Owned(Self { bands: self.bands, reflectance, emission, lamps: self.lamps.clone() })
+        let diffuse_transmittance = scaled(&self.diffuse_transmittance);
+        let (bands, lamps) = (self.bands, self.lamps.clone());
+        Cow::Owned(Self { bands, reflectance, emission, lamps, diffuse_transmittance })
     }
 
     /// Chooses what is sampled by area: strong emitters and every light without area, in a fixed order.

@@ -46,6 +46,7 @@ pub fn solve_linked(
 ) -> Result<Solution, Failure> {
     let start = Instant::now();
     enclosure.without_specular("a hierarchical exchange")?;
+    lighting.demand_opaque("a hierarchical exchange")?;
     let mut each = incident::tests(settings.accuracy);
     let exposed = Arc::new(exposure_of_sides(enclosure, settings.seed, control)?);
     let test = |each: u32| -> Result<Arc<Incident>, Failure> {

@@ -69,6 +69,7 @@ pub(crate) fn solve_on_rows(
     control: &Control,
 ) -> Result<Solution, Failure> {
     let (start, found_before) = (Instant::now(), rows.found());
+    lighting.demand_opaque("rows drawn on hemicubes")?;
     let task = Task::new(&rows, lighting, settings, control)?;
     let overshoot = settings.method.overshoot().unwrap_or(Overshoot::None);
     let tolerance = 0.05 * settings.accuracy.min(0.1) * (1.0 - lighting.highest_reflectance());
@@ -289,7 +290,7 @@ mod tests {
     fn lighting(n: usize) -> Lighting {
         let mut emission = vec![0.0; 2 * n];
         emission[..2].copy_from_slice(&[3.0, 1.0]);
-        Lighting { bands: 2, reflectance: [0.8, 0.4].repeat(n), emission, lamps: Vec::new() }
+        Lighting { bands: 2, reflectance: [0.8, 0.4].repeat(n), emission, ..Lighting::default() }
     }
 
     fn rows(memory_limit: u64) -> RowsOnDemand {

@@ -97,6 +97,14 @@ pub enum Failure {
     /// There are mirrors or clear glass, and what was asked for cannot follow them.
     #[error(transparent)]
     Specular(#[from] NotFollowed),
+    /// Light passes through patches diffusely, and what was asked for takes them for opaque.
+    #[error("patch {patch} lets light through diffusely, which {way} cannot follow: solve on samples")]
+    Translucent {
+        /// What was asked for.
+        way: &'static str,
+        /// The first of those.
+        patch: usize,
+    },
 }
 
 impl From<Cancelled> for Failure {

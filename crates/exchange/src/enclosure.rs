@@ -167,6 +167,17 @@ impl Enclosure {
         (side != NO_SIDE).then_some(side as usize)
     }
 
+    /// The other side of a two-sided patch. Chart coordinates are those of the patch, so that a place has the same on both.
+    pub fn opposite(&self, side: usize) -> Option<usize> {
+        let patch = self.patch_of(side);
+        if self.is_front(side) { self.back_of(patch) } else { Some(patch) }
+    }
+
+    /// A point just off the other side, from one just off a side as [`Enclosure::off`] gives it.
+    pub fn across(&self, side: usize, off: DVec3) -> DVec3 {
+        off - 2.0 * self.margin * self.normal(side)
+    }
+
     /// Whether a side is the front of its patch.
     pub fn is_front(&self, side: usize) -> bool {
         side < self.patches.len()

@@ -1,6 +1,6 @@
 //! How light goes on from a point of a surface: the one place that knows what surfaces are made of.
 //!
-//! Of what meets a side, a part is scattered diffusely or absorbed, and mirrors and clear glass send parts on. Where a
+//! Of what meets a side, parts are scattered diffusely, back or to the other side, or absorbed, and mirrors and clear glass send parts on. Where a
 //! ray lands is drawn with these parts for probabilities, and what leaves a side where one has landed counts over the
 //! probability of that, as in the exchange (`radiosity_exchange::specular`).
 
@@ -76,22 +76,60 @@ impl Landed {
 /// Reflectance per side and band; none where paths end at the first side that they meet.
 pub(crate) struct Reflectance {
     values: Vec<f32>,
+    /// Diffuse transmittance, likewise; empty where nothing passes.
+    through: Vec<f32>,
     bands: usize,
 }
 
 impl Reflectance {
     /// Sides x bands.
     pub fn new(values: Vec<f32>, bands: usize) -> Self {
-        Self { values, bands }
+        Self { values, through: Vec::new(), bands }
     }
 
-    /// Takes what a side absorbs out of a path; returns what is left in its best band.
-    #[inline]
-    pub fn filter(&self, side: u32, throughput: &mut [f32]) -> f32 {
-        let own = &self.values[side as usize * self.bands..][..self.bands];
-        throughput.iter_mut().zip(own).fold(0.0, |most: f32, (left, rho)| {
-            *left *= rho;
-            most.max(*left)
-        })
+    /// The same with diffuse transmittance, sides x bands.
+    pub fn with_transmittance(self, through: Vec<f32>) -> Self {
+        Self { through, ..self }
     }
+
+    /// What is reflected, sides x bands.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// Takes what a side absorbs out of a path; returns what is left in its best band, and whether the path goes on from
+    /// the other side: by a number in (0, 1), in proportion to what goes either way in the best band.
+    #[inline]
+    pub fn filter(&self, side: u32, choice: f64, throughput: &mut [f32]) -> (f32, bool) {
+        let own = &self.values[side as usize * self.bands..][..self.bands];
+        let Some(through) = self.through.get(side as usize * self.bands..).filter(|tau| !tau.is_empty()) else {
+            return (filter(own, 1.0, throughput), false);
+        };
+        let through = &through[..self.bands];
+        let passing = best(through, throughput);
+        if passing == 0.0 {
+            return (filter(own, 1.0, throughput), false);
+        }
+        let share = passing / (passing + best(own, throughput));
+        if choice < f64::from(share) {
+            (filter(through, share, throughput), true)
+        } else {
+            (filter(own, 1.0 - share, throughput), false)
+        }
+    }
+}
+
+/// What of a path is left in its best band.
+#[inline]
+fn best(part: &[f32], throughput: &[f32]) -> f32 {
+    throughput.iter().zip(part).fold(0.0, |most: f32, (left, part)| most.max(left * part))
+}
+
+/// Leaves a part of a path, for those that the choice of this part, of such a probability, stands for.
+#[inline]
+fn filter(part: &[f32], probability: f32, throughput: &mut [f32]) -> f32 {
+    throughput.iter_mut().zip(part).fold(0.0, |most: f32, (left, part)| {
+        *left *= part / probability;
+        most.max(*left)
+    })
 }

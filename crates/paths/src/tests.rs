@@ -270,3 +270,49 @@ fn lights_without_area_are_seen_in_mirrors_and_through_panes() {
     let (value, _) = at(&tracer, DVec3::new(0.9, 0.0, 0.0), DVec3::Z, 64);
     assert!((value - 4.0 * 0.8 * 1.75).abs() < 1e-5, "{value}");
 }
+
+/// The room with a sheet in it at `z`, of two sides.
+fn with_sheet(z: f64) -> Enclosure {
+    let sheet = rectangle([0.0, 0.0, z], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    let polygons = [room(1), vec![sheet]].concat();
+    let n = polygons.len();
+    Enclosure::new(Patches::new(polygons, vec![0; n], vec![0; n], (0..n).map(|i| i == n - 1).collect()))
+}
+
+#[test]
+fn furnaces_stay_even_with_sheets_that_light_passes_through() {
+    let enclosure = with_sheet(0.4);
+    for (rho, tau) in [(0.5, 0.3), (0.1, 0.7), (0.0, 0.8)] {
+        let reflectance = [vec![0.8; 6], vec![rho; 2]].concat();
+        let through = [vec![0.0; 6], vec![tau; 2]].concat();
+        let tracer = Tracer::paths(&enclosure, 1, Exitance::Uniform(vec![1.0; 8]), reflectance, vec![], 4);
+        let tracer = tracer.with_diffuse_transmittance(through);
+        let measured = of_sides(&tracer, &Effort::of_samples(4096), &Control::default()).unwrap();
+        // Everything sends back 0.8 of what meets it, by one way or the other: H = 1 / (1 - 0.8).
+        let scores = z_scores(&measured, |_| 5.0, 1e-6);
+        assert!(scores.iter().all(|z| z.abs() < 4.5), "{scores:?} {:?}", measured.irradiance);
+    }
+}
+
+#[test]
+fn a_sheet_over_a_lamp_sends_on_its_part() {
+    // The lamp fills the floor of a black room; bands pass differently, and none is reflected.
+    let enclosure = with_sheet(0.5);
+    let facing = |z: f64| (0..6).find(|&side| enclosure.normal(side).z == z).expect("a face that looks that way");
+    let (floor, ceiling) = (facing(1.0), facing(-1.0));
+    let emission: Vec<f32> = (0..8).flat_map(|side| [if side == floor { 3.0 } else { 0.0 }; 2]).collect();
+    let through: Vec<f32> = (0..8).flat_map(|side| if side >= 6 { [0.8, 0.2] } else { [0.0; 2] }).collect();
+    let tracer = Tracer::paths(&enclosure, 2, Exitance::Uniform(emission), vec![0.0; 16], vec![], 4);
+    let tracer = tracer.with_diffuse_transmittance(through);
+    let measured = of_sides(&tracer, &Effort::of_samples(1 << 14), &Control::default()).unwrap();
+    // Half way up, factors to floor and ceiling are the same, so that the mean over the ceiling is that of their square.
+    let lamp = enclosure.patches().polygons[floor];
+    let at = |i: usize| (i as f64 + 0.5) / 32.0;
+    let factor = |i: usize, j: usize| point_to_polygon(DVec3::new(at(i), at(j), 0.5), -DVec3::Z, &lamp);
+    let square =
+        (0..32).flat_map(|i| (0..32).map(move |j| (i, j))).map(|(i, j)| factor(i, j).powi(2)).sum::<f64>() / 1024.0;
+    for (band, tau) in [(0, 0.8), (1, 0.2)] {
+        let (passed, error) = (measured.irradiance[2 * ceiling + band], measured.standard_error[2 * ceiling + band]);
+        assert_within((passed, error), 3.0 * tau * square);
+    }
+}

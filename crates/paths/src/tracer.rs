@@ -62,6 +62,27 @@ impl<'a> Tracer<'a> {
         Self::new(enclosure, bands, emission, lights, Some(Reflectance::new(reflectance, bands)), seed)
     }
 
+    /// The same path tracer where light passes through sides diffusely: `transmittance`, sides x bands, is what of all
+    /// that meets a side leaves the other side of its patch. A gather stays as it is, since what a solution says leaves a
+    /// side has it.
+    ///
+    /// # Panics
+    /// If it does not fit the sides and bands, is not in [0, 1] together with the reflectance, or is that of a one-sided
+    /// patch.
+    pub fn with_diffuse_transmittance(mut self, transmittance: Vec<f32>) -> Self {
+        let Some(reflectance) = self.reflectance.take() else { return self };
+        let count = self.enclosure.sides() * self.bands;
+        assert_eq!(transmittance.len(), count, "one transmittance per side and band");
+        let is_part = |k: usize| {
+            (0.0..=1.0).contains(&transmittance[k]) && transmittance[k] + reflectance.values()[k] <= 1.0 + f32::EPSILON
+        };
+        assert!((0..count).all(is_part), "transmittances lie in [0, 1] together with reflectances");
+        let has_way = |k: usize| transmittance[k] == 0.0 || self.enclosure.opposite(k / self.bands).is_some();
+        assert!((0..count).all(has_way), "light passes to the other side of two-sided patches");
+        self.reflectance = Some(reflectance.with_transmittance(transmittance));
+        self
+    }
+
     fn new(
         enclosure: &'a Enclosure,
         bands: usize,

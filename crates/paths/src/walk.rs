@@ -1,9 +1,9 @@
 //! Many paths at once, one step after another, so that their rays are traced together.
 //!
 //! With emission E and reflectance rho, what arrives at x is the mean of what leaves where cosine-distributed rays land:
-//! H(x) = mean of E(y) + rho(y) H(y) (Kajiya 1986, *The rendering equation*, for diffuse surfaces). Every step adds what
-//! lamps and lights without area send to where paths are, and what rays find where they land, each weighed so that
-//! both together count it once. Rays go on by mirrors and panes until they land. Lamps and lights are looked for through
+//! H(x) = mean of E(y) + rho(y) H(y) (Kajiya 1986, *The rendering equation*, for diffuse surfaces), and of tau(y) H'(y) of
+//! the other side where light passes through. Every step adds what lamps and lights without area send to where paths
+//! are, and what rays find where they land, each weighed so that both together count it once. Rays go on by mirrors and panes until they land. Lamps and lights are looked for through
 //! panes, lights also at their images in mirrors; lamps in mirrors are found by rays alone.
 
 use glam::DVec3;
@@ -24,7 +24,8 @@ pub struct Walk {
     throughput: Vec<f32>,
     /// What all lamps together could send to each vertex.
     importance: Vec<f64>,
-    roulette: Vec<f64>,
+    /// Numbers in (0, 1) that decide whether each path goes on, and on which side.
+    fate: Vec<[f64; 2]>,
     rays: Vec<Ray>,
     shadows: Vec<Shadow>,
     occluded: Vec<bool>,
@@ -193,13 +194,13 @@ impl Walk {
     /// Shoots a ray from each vertex.
     fn shoot(&mut self, tracer: &Tracer, starts: &[Start], (round, step): (u32, u32)) {
         self.rays.clear();
-        self.roulette.clear();
+        self.fate.clear();
         for vertex in &self.vertices {
             let start = &starts[vertex.path as usize];
             let sequence = Sequence::new(tracer.seed, start.key, round, STREAM + 2 * step);
-            let [u, v, roulette, _] = sequence.point(start.index);
+            let [u, v, roulette, through] = sequence.point(start.index);
             self.rays.push(tracer.enclosure.ray(vertex.point, scatter(vertex.normal, u, v)));
-            self.roulette.push(roulette);
+            self.fate.push([roulette, through]);
         }
         self.hits.resize(self.rays.len(), Hit::MISS);
         tracer.enclosure.bvh().closest_hits(&self.rays, &mut self.hits);
@@ -210,9 +211,9 @@ impl Walk {
     fn land(&mut self, tracer: &Tracer, starts: &[Start], (round, step): (u32, u32), irradiance: &mut [f32]) {
         self.next.clear();
         let (enclosure, bands) = (tracer.enclosure, tracer.bands);
-        let drawn = self.importance.iter().zip(&self.roulette);
+        let drawn = self.importance.iter().zip(&self.fate);
         let found = self.rays.iter().zip(&self.hits);
-        for ((vertex, (importance, roulette)), (ray, hit)) in self.vertices.iter().zip(drawn).zip(found) {
+        for ((vertex, (importance, [roulette, through])), (ray, hit)) in self.vertices.iter().zip(drawn).zip(found) {
             let landed = match enclosure.specular() {
                 None => Landed::of(enclosure, ray, hit),
                 Some(specular) => {
@@ -237,10 +238,12 @@ impl Walk {
             };
             tracer.exitance.add(enclosure, on, weight, throughput, &mut irradiance[of_path]);
             let Some(reflectance) = &tracer.reflectance else { continue };
-            let left = reflectance.filter(side, throughput);
+            let (left, passes) = reflectance.filter(side, *through, throughput);
             if left > 0.0 && (step < SPARED || survives(left, *roulette, throughput)) {
-                let point = enclosure.point_off(side as usize, s, t);
-                self.next.push(Vertex { point, normal: enclosure.normal(side as usize), path: vertex.path });
+                let across = || enclosure.opposite(side as usize).expect("what light passes through has two sides");
+                let side = if passes { across() } else { side as usize };
+                let point = enclosure.point_off(side, s, t);
+                self.next.push(Vertex { point, normal: enclosure.normal(side), path: vertex.path });
             }
         }
     }

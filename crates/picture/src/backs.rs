@@ -49,6 +49,13 @@ impl Sheets {
         Self { patches: patches.with_obstructions(given.obstructions.clone()), patch_of_side }
     }
 
+    /// Given patches that are the two sides of one sheet, front and back.
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize)> {
+        let n = self.patches.len();
+        let fronts = (0..n).filter(|&i| self.patches.two_sided[i]);
+        fronts.map(|front| self.patch_of_side[front] as usize).zip(self.patch_of_side[n..].iter().map(|&i| i as usize))
+    }
+
     /// Values of given patches, one each, as values of patches.
     pub fn of_patches(&self, values: &[f64]) -> Vec<f64> {
         self.patch_of_side[..self.patches.len()].iter().map(|&patch| values[patch as usize]).collect()
@@ -67,14 +74,17 @@ impl Sheets {
         let mut out = Vec::with_capacity(4 * bands * self.patch_of_side.len());
         for (side, &patch) in self.patch_of_side.iter().enumerate() {
             let front = if side < n { side } else { fronts_of_backs.next().expect("a front for each back") };
-            let own = &given.polygons[patch as usize];
-            for corner in &self.patches.polygons[front] {
-                let k = own.iter().position(|c| bits(*c) == bits(*corner)).expect("the same corners");
+            for k in matching_corners(&self.patches.polygons[front], &given.polygons[patch as usize]) {
                 out.extend(values[(4 * patch as usize + k) * bands..][..bands].iter().map(|&v| v as f32));
             }
         }
         out
     }
+}
+
+/// For each corner of a polygon, the corner of another with the same corners that is in its place.
+pub(crate) fn matching_corners(own: &[DVec3; 4], other: &[DVec3; 4]) -> [usize; 4] {
+    own.map(|corner| other.iter().position(|c| bits(*c) == bits(corner)).expect("the same corners"))
 }
 
 /// A polygon seen from behind: corners the other way round.

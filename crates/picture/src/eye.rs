@@ -20,6 +20,8 @@ pub enum Surfaces<'a> {
         emission: &'a [f32],
         /// Diffuse reflectance.
         reflectance: &'a [f32],
+        /// Diffuse transmittance to the other side; empty where nothing passes.
+        transmittance: &'a [f32],
     },
     /// Irradiance, W/m2.
     Irradiance,
@@ -36,11 +38,13 @@ pub(crate) struct Eye<'a> {
     frame: Frame,
 }
 
-/// A point that is seen.
+/// A point that is seen, or that light passes through from to one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point {
     /// What of it is seen, over the probability of that.
     pub weight: f32,
+    /// Whether it is on the other side of what is seen.
+    pub is_across: bool,
     pub side: u32,
     /// Just off the side, metres.
     pub at: DVec3,
@@ -62,9 +66,10 @@ impl<'a> Eye<'a> {
         (width, height): (usize, usize),
         culls_backs: bool,
     ) -> Self {
-        if let Surfaces::Radiance { emission, reflectance } = surfaces {
+        if let Surfaces::Radiance { emission, reflectance, transmittance } = surfaces {
             let count = enclosure.sides() * bands;
             assert_eq!((emission.len(), reflectance.len()), (count, count), "values fit the sides and bands");
+            assert!(transmittance.is_empty() || transmittance.len() == count, "values fit the sides and bands");
         }
         let beyond = enclosure.specular().map(|specular| Beyond { enclosure, specular, culls_backs });
         let is_glass = |patch: usize| beyond.is_some_and(|beyond| beyond.specular.transmittance(patch) > 0.0);
@@ -102,7 +107,28 @@ impl<'a> Eye<'a> {
         };
         let Shown::Side { side, point, corners } = shown else { return None };
         let corners = corners.map(|weight| weight as f32);
-        Some(Point { weight: weight as f32, side: side as u32, at: point, corners })
+        Some(Point { weight: weight as f32, is_across: false, side: side as u32, at: point, corners })
+    }
+
+    /// Whether light passes through anything diffusely.
+    pub fn is_translucent(&self) -> bool {
+        !self.transmittance().is_empty()
+    }
+
+    /// The point on the other side of what is seen at one, if light passes through there.
+    pub fn across(&self, point: &Point) -> Option<Point> {
+        if !self.of_side(self.transmittance(), point.side).iter().any(|&tau| tau > 0.0) {
+            return None;
+        }
+        let side = self.enclosure.opposite(point.side as usize)? as u32;
+        Some(Point { is_across: true, side, at: self.enclosure.across(point.side as usize, point.at), ..*point })
+    }
+
+    fn transmittance(&self) -> &'a [f32] {
+        match self.surfaces {
+            Surfaces::Radiance { transmittance, .. } => transmittance,
+            Surfaces::Irradiance => &[],
+        }
     }
 
     /// The normal of what is seen at a point.
@@ -124,8 +150,10 @@ impl<'a> Eye<'a> {
     /// What a point shows of a unit of irradiance there, per band.
     pub fn shares(&self, point: &Point) -> impl Iterator<Item = f32> {
         let (scale, values) = match self.surfaces {
-            Surfaces::Radiance { reflectance, .. } => {
-                (point.weight * FRAC_1_PI as f32, self.of_side(reflectance, point.side))
+            Surfaces::Radiance { reflectance, transmittance, .. } => {
+                // Of both sides of a patch the same passes.
+                let values = if point.is_across { transmittance } else { reflectance };
+                (point.weight * FRAC_1_PI as f32, self.of_side(values, point.side))
             }
             Surfaces::Irradiance => (point.weight, &[][..]),
         };
@@ -141,14 +169,15 @@ impl<'a> Eye<'a> {
     fn is_dark(&self, side: usize) -> bool {
         match self.surfaces {
             Surfaces::Irradiance => false,
-            Surfaces::Radiance { emission, reflectance } => {
+            Surfaces::Radiance { emission, reflectance, transmittance } => {
                 let is_zero = |values| self.of_side(values, side as u32).iter().all(|&v| v == 0.0);
-                is_zero(emission) && is_zero(reflectance)
+                is_zero(emission) && is_zero(reflectance) && is_zero(transmittance)
             }
         }
     }
 
+    /// The values of a side; none where there are none of any.
     fn of_side<'b>(&self, values: &'b [f32], side: u32) -> &'b [f32] {
-        &values[side as usize * self.bands..][..self.bands]
+        values.get(side as usize * self.bands..).map_or(&[], |values| &values[..self.bands.min(values.len())])
     }
 }

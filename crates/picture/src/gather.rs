@@ -231,13 +231,13 @@ struct Strip {
 /// What is seen in some pixels.
 #[derive(Default)]
 struct Points {
-    /// So many a pixel.
+    /// So many looks a pixel.
     each: usize,
-    /// None where nothing is seen.
+    /// What each look shows, and what is on the other side of that; none where nothing is.
     list: Vec<Option<Point>>,
-    /// Points x bands: irradiance from lamps.
+    /// Values x bands: irradiance from lamps.
     direct: Vec<f32>,
-    /// Points x bands: the same, and all other, as the solution has them.
+    /// Values x bands: the same, and all other, as the solution has them.
     fields: [Vec<f32>; 2],
 }
 
@@ -290,7 +290,8 @@ impl Gather<'_> {
         let before = buffers.walk.rays_traced;
         let points = self.samples.min(POINTS);
         let coarse = self.look(buffers, pixels, points, 0);
-        let edges: Vec<usize> = (0..pixels.len()).filter(|&k| self.shows_an_edge(&coarse.of(k, bands))).collect();
+        let edges: Vec<usize> =
+            (0..pixels.len()).filter(|&k| self.shows_an_edge(&coarse.of(k, pixels.len(), bands))).collect();
         let at_edges: Vec<usize> = edges.iter().map(|&k| pixels[k]).collect();
         let fine = self.look(buffers, &at_edges, FINER * points, 1);
         let mut strip = Strip { rays: (coarse.list.len() + fine.list.len()) as u64, ..Strip::default() };
@@ -300,8 +301,8 @@ impl Gather<'_> {
         let mut edge = edges.iter().enumerate().peekable();
         for (k, &pixel) in pixels.iter().enumerate() {
             let points = match edge.next_if(|(_, edge)| **edge == k) {
-                Some((place, _)) => fine.of(place, bands),
-                None => coarse.of(k, bands),
+                Some((place, _)) => fine.of(place, edges.len(), bands),
+                None => coarse.of(k, pixels.len(), bands),
             };
             self.add_pixel(buffers, &mut strip, pixel, &points);
         }
@@ -327,7 +328,12 @@ impl Gather<'_> {
             let sequence = || Sequence::new(self.tracer.seed(), pixel, round, SPECULAR);
             self.eye.seen(ray, hit, |met| survival(&sequence(), index, met))
         });
-        let list: Vec<Option<Point>> = seen.collect();
+        let mut list: Vec<Option<Point>> = seen.collect();
+        if self.eye.is_translucent() {
+            let across = |point: &Option<Point>| point.as_ref().and_then(|point| self.eye.across(point));
+            let of_pixel = |points: &[Option<Point>]| points.iter().copied().chain(points.iter().map(across)).collect();
+            list = list.chunks_exact(offsets.len()).flat_map(|points| -> Vec<_> { of_pixel(points) }).collect();
+        }
         let direct = self.direct(buffers, pixels, &list, round);
         let of_points = |field| list.iter().flat_map(|point| self.at_corners(field, point.as_ref())).collect();
         let fields = [of_points(self.fields.direct), of_points(self.fields.rest)];
@@ -367,11 +373,12 @@ impl Gather<'_> {
 
     /// Whether the points of a pixel are of several surfaces, or some of them in a shadow.
     fn shows_an_edge(&self, points: &PixelPoints) -> bool {
-        let Some(first) = points.list[0].as_ref() else { return points.list.iter().any(Option::is_some) };
+        let seen = &points.list[..points.looks];
+        let Some(first) = seen[0].as_ref() else { return seen.iter().any(Option::is_some) };
         let enclosure = self.tracer.enclosure();
         let surface = |point: &Point| enclosure.patches().surface[enclosure.patch_of(point.side as usize)];
         let is_same = |point: &Point| surface(point) == surface(first) && self.part(point).is_like(&self.part(first));
-        if !points.list.iter().all(|point| point.as_ref().is_some_and(is_same)) {
+        if !seen.iter().all(|point| point.as_ref().is_some_and(is_same)) {
             return true;
         }
         let (mut halves, mut squares, mut whole, mut dark) = ([0.0; 2], 0.0, 0.0, 0);
@@ -385,7 +392,7 @@ impl Gather<'_> {
             whole += lit + shown(rest) + self.eye.emitted(point).map(f64::from).sum::<f64>();
             dark += usize::from(lit == 0.0);
         }
-        let (n, sum) = (points.list.len(), halves[0] + halves[1]);
+        let (n, sum) = (points.lit().count(), halves[0] + halves[1]);
         let noise = (squares - sum * sum / n as f64).max(0.0).sqrt();
         (dark > 0 && dark < n && noise > PARTLY * whole) || (halves[0] - halves[1]).abs() > UNEVEN * whole
     }
@@ -399,7 +406,7 @@ impl Gather<'_> {
         let (bands, place, first) = (self.bands(), strip.offsets.len(), strip.parts.len());
         strip.offsets.push(first as u32);
         strip.seen.iter_mut().for_each(|seen| seen.resize((place + 1) * bands, 0.0));
-        let scale = 2.0 / points.list.len() as f32;
+        let scale = 2.0 / points.looks as f32;
         let mut members: Vec<Vec<(usize, Lit)>> = Vec::new();
         for (k, lit) in points.lit() {
             let half = &mut strip.seen[k % 2][place * bands..];
@@ -647,6 +654,7 @@ fn at(strips: &VecDeque<Strip>, width: usize, (x, y): (usize, usize)) -> Option<
 
 /// Points of one pixel.
 struct PixelPoints<'a> {
+    looks: usize,
     list: &'a [Option<Point>],
     direct: &'a [f32],
     fields: [&'a [f32]; 2],
@@ -654,11 +662,13 @@ struct PixelPoints<'a> {
 }
 
 impl Points {
-    fn of(&self, pixel: usize, bands: usize) -> PixelPoints<'_> {
-        let values = pixel * self.each * bands..(pixel + 1) * self.each * bands;
-        let list = &self.list[pixel * self.each..(pixel + 1) * self.each];
+    /// Those of one of so many pixels.
+    fn of(&self, pixel: usize, pixels: usize, bands: usize) -> PixelPoints<'_> {
+        let slots = self.list.len() / pixels;
+        let (own, values) = (pixel * slots..(pixel + 1) * slots, pixel * slots * bands..(pixel + 1) * slots * bands);
         PixelPoints {
-            list,
+            looks: self.each,
+            list: &self.list[own],
             direct: &self.direct[values.clone()],
             fields: self.fields.each_ref().map(|field| &field[values.clone()]),
             bands,
@@ -787,7 +797,7 @@ mod tests {
         }
 
         fn surfaces(&self) -> Surfaces<'_> {
-            Surfaces::Radiance { emission: &self.emission, reflectance: &self.reflectance }
+            Surfaces::Radiance { emission: &self.emission, reflectance: &self.reflectance, transmittance: &[] }
         }
 
         fn paths(&self) -> Tracer<'_> {
@@ -806,15 +816,14 @@ mod tests {
             let radiosity: Vec<f64> = values.map(|(h, (&e, &rho))| f64::from(e) + f64::from(rho) * h).collect();
             let smoother = Smoother::new(self.enclosure.patches(), CREASE_ANGLE);
             let rho: Vec<f64> = self.reflectance.iter().map(|&rho| f64::from(rho)).collect();
-            let corners = smoother.corner_radiosity_of_patches(&radiosity, &irradiance, &rho, 1);
+            let corners = smoother.corner_radiosity_of_patches(&radiosity, &irradiance, &rho, &[], 1);
             let exitance = Exitance::Corners(corners.iter().map(|&v| v as f32).collect());
             let tracer = Tracer::gather(&self.enclosure, 1, exitance, vec![], 5);
             let sides: Vec<u32> = (0..irradiance.len() as u32).collect();
             let control = Control::default();
             let parts = direct_and_rest(&tracer, &sides, &irradiance, 1 << 16, &control).unwrap();
-            let [direct, rest] = parts.map(|part| {
-                smoother.corner_values(&part, 1).iter().map(|&v| (off * v) as f32).collect::<Vec<f32>>()
-            });
+            let [direct, rest] = parts
+                .map(|part| smoother.corner_values(&part, 1).iter().map(|&v| (off * v) as f32).collect::<Vec<f32>>());
             let fields = Fields { direct: &direct, rest: &rest };
             gather(&tracer, self.surfaces(), fields, &eye(), settings, &control).unwrap()
         }

@@ -54,6 +54,9 @@ pub struct LitSurface {
     /// Clear transmittance; older files have none.
     #[serde(default, skip_serializing_if = "is_none")]
     pub transmittance: f64,
+    /// Diffuse transmittance per band, to the patch that is the back; empty where there is none, as in older files.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub diffuse_transmittance: Vec<f64>,
 }
 
 fn is_none(part: &f64) -> bool {
@@ -70,6 +73,7 @@ impl LitSurface {
             two_sided: surface.material.two_sided,
             specular: surface.material.specular,
             transmittance: surface.material.transmittance,
+            diffuse_transmittance: surface.material.diffuse_transmittance.clone(),
         };
         scene.surfaces.iter().map(of).collect()
     }
@@ -137,6 +141,16 @@ impl LitModel<'_> {
         }
         if let Some(s) = self.surfaces.iter().find(|s| s.reflectance.iter().any(|r| !r.is_finite())) {
             return Err(format!("surface '{}' has a reflectance that is not finite", s.name));
+        }
+        let passes = |s: &LitSurface| {
+            let is_fitting = [0, bands].contains(&s.diffuse_transmittance.len());
+            is_fitting && s.diffuse_transmittance.iter().all(|tau| (0.0..=1.0).contains(tau))
+        };
+        if let Some(s) = self.surfaces.iter().find(|s| !passes(s)) {
+            return Err(format!(
+                "surface '{}' has diffuse transmittances {:?}, which must be from 0 to 1, one per band or none",
+                s.name, s.diffuse_transmittance
+            ));
         }
         let is_whole =
             |s: &LitSurface| s.specular >= 0.0 && s.transmittance >= 0.0 && s.specular + s.transmittance <= 1.0 + 1e-12;

@@ -221,7 +221,8 @@ impl Film<'_> {
                 let Some(point) = seen else { continue };
                 let sums = &mut buffers.pixels[pixel * bands..][..bands];
                 sums.iter_mut().zip(self.eye.emitted(&point)).for_each(|(sum, e)| *sum += f64::from(e));
-                if self.eye.reflects(&point) {
+                let points = [Some(point), self.eye.across(&point)];
+                for point in points.into_iter().flatten().filter(|point| self.eye.reflects(point)) {
                     buffers.starts.push(Start { point: point.at, normal: self.eye.normal(&point), key, index });
                     buffers.owners.push((pixel as u32, point));
                 }
@@ -271,7 +272,7 @@ mod tests {
         let tracer = Tracer::paths(&enclosure, 1, Exitance::Uniform(ones.clone()), half.clone(), vec![], 1);
         // Beyond what the picture takes in one tile, and seen from outside, through the backs.
         let (eye, settings) = (camera(DVec3::new(0.2, 0.3, 2.0), 0.4), settings(21, 18, Effort::of_samples(256)));
-        let surfaces = Surfaces::Radiance { emission: &ones, reflectance: &half };
+        let surfaces = Surfaces::Radiance { emission: &ones, reflectance: &half, transmittance: &[] };
         let traced = trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
         let truth = (2.0 * FRAC_1_PI) as f32;
         let scores: Vec<f32> = traced

@@ -168,9 +168,7 @@ mod tests {
             name: "wände <1>".into(),
             material: "paint".into(),
             reflectance: vec![0.5, 0.25],
-            two_sided: false,
-            specular: 0.0,
-            transmittance: 0.0,
+            ..LitSurface::default()
         };
         LitData {
             patches,

@@ -80,6 +80,20 @@ pub fn block_in(array: &PyReadonlyArray2<'_, f64>, rows: usize, columns: usize, 
     Ok(view.iter().copied().collect())
 }
 
+/// Diffuse transmittance of patches from (n, bands); empty without an array.
+pub fn through_in(array: Option<&PyReadonlyArray2<'_, f64>>, n: usize, bands: usize) -> PyResult<Vec<f64>> {
+    let Some(array) = array else { return Ok(Vec::new()) };
+    let values = block_in(array, n, bands, "diffuse transmittance")?;
+    match values.iter().position(|tau| !(0.0..=1.0).contains(tau)) {
+        Some(i) => Err(PyValueError::new_err(format!(
+            "patch {}: diffuse transmittance {} is not in [0, 1]",
+            i / bands,
+            values[i]
+        ))),
+        None => Ok(values),
+    }
+}
+
 /// Three numbers as a vector.
 pub fn vec3(v: [f64; 3]) -> DVec3 {
     DVec3::from_array(v)

@@ -17,7 +17,7 @@ pub fn failure(error: Failure) -> PyErr {
     match error {
         Failure::Cancelled => pyo3::exceptions::PyKeyboardInterrupt::new_err(error.to_string()),
         Failure::Memory { .. } => ResourceError::new_err(error.to_string()),
-        Failure::Specular(_) => PyValueError::new_err(error.to_string()),
+        Failure::Specular(_) | Failure::Translucent { .. } => PyValueError::new_err(error.to_string()),
     }
 }
 
@@ -25,7 +25,7 @@ pub fn gradients(error: radiosity_equilibrium::adjoint::Failure) -> PyErr {
     use radiosity_equilibrium::adjoint::Failure;
     match error {
         Failure::Cancelled => pyo3::exceptions::PyKeyboardInterrupt::new_err(error.to_string()),
-        Failure::OnDemand | Failure::Diverged => PyValueError::new_err(error.to_string()),
+        Failure::OnDemand | Failure::Diverged | Failure::Translucent => PyValueError::new_err(error.to_string()),
     }
 }
 

@@ -337,7 +337,7 @@ impl Factors {
     ) -> PyResult<Solution> {
         let settings = settings(accuracy, seed, 0, memory_limit, method, max_iterations, true)?;
         let factors = self.checked(py)?;
-        let lighting = lighting_in(&factors.enclosure, reflectance, emission, lamps)?;
+        let lighting = lighting_in(&factors.enclosure, reflectance, emission, lamps, None)?;
         let shape = (factors.enclosure.patches().len(), lighting.bands);
         let result = observed(py, threads, progress, on_iterate, shape, |observer, control| {
             radiosity_equilibrium::solve_given(factors, &lighting, &settings, observer, control)

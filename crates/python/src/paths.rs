@@ -24,9 +24,14 @@ type TracedOut<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray3<f32>>, u32
 type MeasuredOut<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, u32, f64, u64);
 
 /// What a picture shows: "radiance" or "irradiance".
-fn shown<'a>(show: &str, emission: &'a [f32], reflectance: &'a [f32]) -> PyResult<Surfaces<'a>> {
+fn shown<'a>(
+    show: &str,
+    emission: &'a [f32],
+    reflectance: &'a [f32],
+    transmittance: &'a [f32],
+) -> PyResult<Surfaces<'a>> {
     match show {
-        "radiance" => Ok(Surfaces::Radiance { emission, reflectance }),
+        "radiance" => Ok(Surfaces::Radiance { emission, reflectance, transmittance }),
         "irradiance" => Ok(Surfaces::Irradiance),
         _ => Err(PyValueError::new_err(format!("traced pictures show radiance or irradiance, not '{show}'"))),
     }
@@ -59,9 +64,11 @@ fn reflectance_in(array: &PyReadonlyArray2<'_, f64>, n: usize, bands: usize) -> 
 }
 
 /// Parts of a whole: what patches reflect diffusely must be no more than what mirrors and panes leave.
-fn check_whole(reflectance: &[f64], bands: usize, going_on: Option<&[Vec<f64>; 2]>) -> PyResult<()> {
+fn check_whole(reflectance: &[f64], through: &[f64], bands: usize, going_on: Option<&[Vec<f64>; 2]>) -> PyResult<()> {
+    check_scattered(reflectance, through, bands, |_| 1.0)?;
     let Some([specular, transmittance]) = going_on else { return Ok(()) };
     let left = |patch: usize| 1.0 - specular[patch] - transmittance[patch];
+    check_scattered(reflectance, through, bands, left)?;
     match reflectance.iter().enumerate().find(|(i, rho)| **rho > left(i / bands) + 1e-9) {
         None => Ok(()),
         Some((i, rho)) => Err(PyValueError::new_err(format!(
@@ -69,6 +76,19 @@ fn check_whole(reflectance: &[f64], bands: usize, going_on: Option<&[Vec<f64>; 2
             i / bands,
             specular[i / bands],
             transmittance[i / bands]
+        ))),
+    }
+}
+
+/// The same of what leaves either side, where light passes through.
+fn check_scattered(reflectance: &[f64], through: &[f64], bands: usize, share: impl Fn(usize) -> f64) -> PyResult<()> {
+    match through.iter().enumerate().find(|(i, tau)| **tau > 0.0 && reflectance[*i] + **tau > share(i / bands) + 1e-9) {
+        None => Ok(()),
+        Some((i, tau)) => Err(PyValueError::new_err(format!(
+            "patch {}: reflectance {} and diffuse transmittance {tau} are together more than {}",
+            i / bands,
+            reflectance[i],
+            share(i / bands)
         ))),
     }
 }
@@ -95,7 +115,7 @@ type GatheredOut<'py> = (Bound<'py, PyArray3<f32>>, f64, u64);
 /// their own.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, irradiance, radiosity, lights, camera, width, height, samples, show,
-                    seed, going_on=None, threads=None, progress=None))]
+                    seed, going_on=None, threads=None, progress=None, diffuse_transmittance=None))]
 fn gather<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -113,6 +133,7 @@ fn gather<'py>(
     going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
+    diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<GatheredOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -121,16 +142,18 @@ fn gather<'py>(
     let irradiance = convert::block_in(&irradiance, n, bands, "irradiance")?;
     let radiosity = convert::block_in(&radiosity, n, bands, "radiosity")?;
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
-    check_whole(&reflectance, bands, going_on.as_ref())?;
+    let through = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
+    check_whole(&reflectance, &through, bands, going_on.as_ref())?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
-    shown(show, &[], &[])?;
+    shown(show, &[], &[], &[])?;
     let settings = GatherSettings { width, height, samples, culls_backs: true };
     let gathered = watch::run(py, threads, progress.as_ref(), |control| {
         let sheets = Sheets::new(&given);
         let smoother = Smoother::new(&given, CREASE_ANGLE);
-        let corners = smoother.corner_radiosity_of_patches(&radiosity, &irradiance, &reflectance, bands);
+        let corners = smoother.corner_radiosity_of_patches(&radiosity, &irradiance, &reflectance, &through, bands);
         let exitance = Exitance::Corners(sheets.corners_of_sides(&given, &corners, bands));
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
+        let through = passing(&sheets, &through, bands);
         let enclosure = enclosure_of(&sheets, going_on.as_ref());
         let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed);
         let rays = width * height * samples as usize;
@@ -138,7 +161,7 @@ fn gather<'py>(
         let at_corners = |part: &Vec<f64>| sheets.corners_of_sides(&given, &smoother.corner_values(part, bands), bands);
         let [direct, rest] = parts.each_ref().map(at_corners);
         let fields = Fields { direct: &direct, rest: &rest };
-        let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
+        let surfaces = shown(show, &emission, &reflectance, &through).expect("it was checked above");
         radiosity_picture::gather(&tracer, surfaces, fields, &camera, &settings, control)
     })?;
     let Gathered { image, noise, rays } = gathered.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?;
@@ -149,7 +172,7 @@ fn gather<'py>(
 /// the most.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, lights, camera, width, height, samples, accuracy, show, seed,
-                    going_on=None, threads=None, progress=None))]
+                    going_on=None, threads=None, progress=None, diffuse_transmittance=None))]
 fn path_trace<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -166,24 +189,28 @@ fn path_trace<'py>(
     going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
+    diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<TracedOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
     let emission = convert::block_in(&emission, n, bands, "emission")?;
     let reflectance = reflectance_in(&reflectance, n, bands)?;
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
-    check_whole(&reflectance, bands, going_on.as_ref())?;
+    let through = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
+    check_whole(&reflectance, &through, bands, going_on.as_ref())?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     let effort = effort_in(samples, accuracy)?;
-    shown(show, &[], &[])?;
+    shown(show, &[], &[], &[])?;
     let settings = TraceSettings { width, height, effort, culls_backs: true };
     let traced = watch::run(py, threads, progress.as_ref(), |control| {
         let sheets = Sheets::new(&given);
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
+        let through = passing(&sheets, &through, bands);
         let enclosure = enclosure_of(&sheets, going_on.as_ref());
         let exitance = Exitance::Uniform(emission.clone());
         let tracer = Tracer::paths(&enclosure, bands, exitance, reflectance.clone(), lights, seed);
-        let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
+        let tracer = if through.is_empty() { tracer } else { tracer.with_diffuse_transmittance(through.clone()) };
+        let surfaces = shown(show, &emission, &reflectance, &through).expect("it was checked above");
         radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
     })?;
     traced_out(py, traced.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?)
@@ -192,7 +219,7 @@ fn path_trace<'py>(
 /// Irradiance by path tracing at points, or the means of all sides, fronts before backs; blocks are (n_patches, bands).
 #[pyfunction]
 #[pyo3(signature = (enclosure, emission, reflectance, lights, points, normals, samples, accuracy, seed, threads=None,
-                    progress=None))]
+                    progress=None, diffuse_transmittance=None))]
 fn path_irradiance<'py>(
     py: Python<'py>,
     enclosure: &Enclosure,
@@ -206,11 +233,18 @@ fn path_irradiance<'py>(
     seed: u64,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
+    diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<MeasuredOut<'py>> {
     let enclosure = enclosure.inner.clone();
     let (n, bands) = (enclosure.patches().len(), emission.as_array().ncols());
     let emission = convert::block_in(&emission, n, bands, "emission")?;
     let reflectance = reflectance_in(&reflectance, n, bands)?;
+    let through = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
+    check_scattered(&reflectance, &through, bands, |patch| enclosure.diffuse_share(patch))?;
+    if let Some(i) = (0..through.len()).find(|&i| through[i] > 0.0 && !enclosure.patches().two_sided[i / bands]) {
+        let message = format!("patch {}: light passes through it diffusely, and it has one side only", i / bands);
+        return Err(PyValueError::new_err(message));
+    }
     let share = |i: usize| enclosure.specular().map_or(1.0, |specular| specular.diffuse_share(i / bands));
     if let Some(i) = (0..reflectance.len()).find(|&i| reflectance[i] > share(i) + 1e-9) {
         return Err(PyValueError::new_err(format!(
@@ -236,6 +270,10 @@ fn path_irradiance<'py>(
         let (emission, reflectance) =
             (of_sides(&enclosure, &emission, bands), of_sides(&enclosure, &reflectance, bands));
         let tracer = Tracer::paths(&enclosure, bands, Exitance::Uniform(emission), reflectance, lights, seed);
+        let tracer = match through.is_empty() {
+            true => tracer,
+            false => tracer.with_diffuse_transmittance(of_sides(&enclosure, &through, bands)),
+        };
         match &places {
             Some((points, normals)) => radiosity_paths::at_points(&tracer, points, normals, &effort, control),
             None => radiosity_paths::of_sides(&tracer, &effort, control),
@@ -245,6 +283,17 @@ fn path_irradiance<'py>(
         measured.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?;
     let (value, error) = (convert::block_out(py, irradiance, bands), convert::block_out(py, standard_error, bands));
     Ok((value, error, rounds.samples, rounds.error, rays))
+}
+
+/// What passes of sides, in single precision: nothing where patches have one side only. Empty if nothing is.
+fn passing(sheets: &Sheets, through: &[f64], bands: usize) -> Vec<f32> {
+    if through.is_empty() {
+        return Vec::new();
+    }
+    let mut values = sheets.of_sides(through, bands);
+    let one_sided = (0..sheets.patches.len()).filter(|&patch| !sheets.patches.two_sided[patch]);
+    one_sided.for_each(|patch| values[patch * bands..][..bands].fill(0.0));
+    values
 }
 
 /// Values of patches as those of sides, in single precision.

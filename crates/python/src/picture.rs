@@ -24,8 +24,8 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(write_exr, module)?)
 }
 
-/// name, material, reflectance, two_sided, specular, transmittance.
-type SurfaceTuple = (String, String, Vec<f64>, bool, f64, f64);
+/// name, material, reflectance, two_sided, specular, transmittance, diffuse transmittance or nothing.
+type SurfaceTuple = (String, String, Vec<f64>, bool, f64, f64, Vec<f64>);
 /// Emission, irradiance, radiosity, error.
 type BlocksIn<'py> = [PyReadonlyArray2<'py, f64>; 4];
 
@@ -59,13 +59,8 @@ impl Lit {
         ];
         let surfaces = surfaces
             .into_iter()
-            .map(|(name, material, reflectance, two_sided, specular, transmittance)| LitSurface {
-                name,
-                material,
-                reflectance,
-                two_sided,
-                specular,
-                transmittance,
+            .map(|(name, material, reflectance, two_sided, specular, transmittance, diffuse_transmittance)| {
+                LitSurface { name, material, reflectance, two_sided, specular, transmittance, diffuse_transmittance }
             })
             .collect();
         let cameras = cameras.into_iter().map(camera_in).collect();
@@ -144,7 +139,9 @@ fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
     let bands = lit.bands.len();
     let blocks =
         [lit.emission, lit.irradiance, lit.radiosity, lit.error].map(|block| convert::block_out(py, block, bands));
-    let surface = |s: LitSurface| (s.name, s.material, s.reflectance, s.two_sided, s.specular, s.transmittance);
+    let surface = |s: LitSurface| {
+        (s.name, s.material, s.reflectance, s.two_sided, s.specular, s.transmittance, s.diffuse_transmittance)
+    };
     let surfaces = lit.surfaces.into_iter().map(surface).collect();
     let cameras = lit.cameras.iter().map(camera_out).collect();
     let lights = lit.lights.map(|lights| lights.iter().map(light_out).collect());
@@ -155,10 +152,11 @@ fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
 ///
 /// `irradiance` and `reflectance` (per surface) are given for radiosity, whose smooth shading keeps lamps and paints
 /// apart; other quantities are smoothed as they are. `going_on` is (n, 2), the mirror reflectance and transmittance of
-/// patches in which there is to be seen what is beyond.
+/// patches in which there is to be seen what is beyond. `diffuse_transmittance` (per surface) is what passes to the patch
+/// that is the back.
 #[pyfunction]
 #[pyo3(signature = (patches, values, camera, width, height, samples, scale, smooth, irradiance=None, reflectance=None,
-                    going_on=None, threads=None, progress=None))]
+                    going_on=None, threads=None, progress=None, diffuse_transmittance=None))]
 fn render<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -174,6 +172,7 @@ fn render<'py>(
     going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
+    diffuse_transmittance: Option<Vec<Vec<f64>>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let patches = patches.inner.clone();
     let bands = values.as_array().ncols();
@@ -182,11 +181,12 @@ fn render<'py>(
     let camera = camera_in(camera);
     let settings = RenderSettings { width, height, samples, scale, ..RenderSettings::default() };
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, patches.len())).transpose()?;
+    let through = diffuse_transmittance.unwrap_or_default();
     let image = watch::run(py, threads, progress.as_ref(), |control| {
         let smoother = || Smoother::new(&patches, radiosity_geometry::corners::CREASE_ANGLE);
         let corners = match (&irradiance, &reflectance) {
             _ if !smooth => Vec::new(),
-            (Some(h), Some(rho)) => smoother().corner_radiosity(&values, h, rho, bands),
+            (Some(h), Some(rho)) => smoother().corner_radiosity(&values, h, rho, &through, bands),
             _ => smoother().corner_values(&values, bands),
         };
         let shading = if smooth { Shading::Smooth(&corners) } else { Shading::Patches(&values) };

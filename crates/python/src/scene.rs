@@ -16,11 +16,32 @@ pub struct Scene {
     pub inner: radiosity_scene::Scene,
 }
 
-/// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance.
-type SurfaceOut<'py> =
-    (String, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, String, Vec<f64>, Vec<f64>, bool, f64, f64);
-type SurfaceIn<'py> =
-    (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, i64>, String, Vec<f64>, Vec<f64>, bool, f64, f64);
+/// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance, diffuse
+/// transmittance or nothing.
+type SurfaceOut<'py> = (
+    String,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<u32>>,
+    String,
+    Vec<f64>,
+    Vec<f64>,
+    bool,
+    f64,
+    f64,
+    Vec<f64>,
+);
+type SurfaceIn<'py> = (
+    String,
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray2<'py, i64>,
+    String,
+    Vec<f64>,
+    Vec<f64>,
+    bool,
+    f64,
+    f64,
+    Vec<f64>,
+);
 
 /// kind, name, position, direction, inner and outer angle, strength.
 pub type LightTuple = (String, String, [f64; 3], [f64; 3], f64, f64, Vec<f64>);
@@ -200,11 +221,14 @@ fn surface_out<'py>(py: Python<'py>, s: &Surface) -> SurfaceOut<'py> {
         m.two_sided,
         m.specular,
         m.transmittance,
+        m.diffuse_transmittance.clone(),
     )
 }
 
 fn surface_in(
-    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance): SurfaceIn<'_>,
+    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through): SurfaceIn<
+        '_,
+    >,
 ) -> PyResult<Surface> {
     let view = faces.as_array();
     if !(view.ncols() == 3 || view.ncols() == 4) {
@@ -223,7 +247,15 @@ fn surface_in(
         .map(|f| Ok([index(f, 0)?, index(f, 1)?, index(f, 2)?, index(f, 3)?]))
         .collect::<PyResult<_>>()?;
     let vertices = convert::points_in(&vertices, &format!("vertices of surface '{name}'"))?;
-    let material = Material { name: material, reflectance, emission, specular, transmittance, two_sided };
+    let material = Material {
+        name: material,
+        reflectance,
+        emission,
+        specular,
+        transmittance,
+        two_sided,
+        diffuse_transmittance: through,
+    };
     Ok(Surface { vertices, faces, material, name })
 }
 

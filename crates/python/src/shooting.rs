@@ -133,7 +133,7 @@ pub fn shoot(
     if !(accuracy > 0.0 && accuracy.is_finite()) {
         return Err(PyValueError::new_err(format!("accuracy must be a positive number such as 0.01, not {accuracy}")));
     }
-    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
+    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps, None)?;
     let settings = ShootingSettings { accuracy, seed, max_rays, time_limit, memory_limit };
     let start = start.map(|state| state.inner.as_ref());
     if let Some(start) = start {

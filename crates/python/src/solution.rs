@@ -69,7 +69,7 @@ impl Solution {
 
     /// Solves again on the same measured exchange with other emission, reflectance and lamp strengths.
     #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, exact_closure, max_iterations=None,
-                        threads=None, progress=None, as_field=false))]
+                        threads=None, progress=None, as_field=false, diffuse_transmittance=None))]
     fn relight(
         &self,
         py: Python<'_>,
@@ -83,23 +83,17 @@ impl Solution {
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
         as_field: bool,
+        diffuse_transmittance: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Solution> {
         let settings = settings(accuracy, 0, 0, u64::MAX, method, max_iterations, exact_closure)?;
-        relight(
-            py,
-            &self.inner.source,
-            reflectance,
-            emission,
-            lamps,
-            &Settings { as_field, ..settings },
-            threads,
-            progress,
-        )
+        let enclosure = self.inner.source.enclosure();
+        let lighting = lighting_in(enclosure, reflectance, emission, lamps, diffuse_transmittance)?;
+        relight(py, &self.inner.source, &lighting, &Settings { as_field, ..settings }, threads, progress)
     }
 
     /// Irradiance of sides with other emission, reflectance and lamp strengths, (n_sides, bands), as the exchange between
     /// whole sides has it; None unless that was sampled.
-    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, threads=None))]
+    #[pyo3(signature = (reflectance, emission, lamps, accuracy, method, threads=None, diffuse_transmittance=None))]
     fn on_sides<'py>(
         &self,
         py: Python<'py>,
@@ -109,10 +103,11 @@ impl Solution {
         accuracy: f64,
         method: &str,
         threads: Option<usize>,
+        diffuse_transmittance: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let settings = settings(accuracy, 0, 0, u64::MAX, method, None, false)?;
         let source = &self.inner.source;
-        let lighting = lighting_in(source.enclosure(), reflectance, emission, lamps)?;
+        let lighting = lighting_in(source.enclosure(), reflectance, emission, lamps, diffuse_transmittance)?;
         let irradiance = watch::run(py, threads, None, |control| {
             radiosity_equilibrium::irradiance_on_sides(source, &lighting, &settings, control)
         })?;
@@ -133,7 +128,7 @@ impl Solution {
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<[Bound<'py, PyArray2<f64>>; 3]> {
-        let lighting = lighting_in(self.inner.source.enclosure(), reflectance, emission, lamps)?;
+        let lighting = lighting_in(self.inner.source.enclosure(), reflectance, emission, lamps, None)?;
         let rows = self.inner.source.enclosure().patches().len();
         let sums = weights.as_array().nrows() / rows.max(1);
         let weights = convert::block_in(&weights, sums * rows, self.bands, "weights")?;
@@ -164,7 +159,7 @@ impl Solution {
 #[pyfunction]
 #[pyo3(signature = (enclosure, reflectance, emission, lamps, accuracy, seed, max_rays, memory_limit, method,
                     exact_closure, max_iterations=None, threads=None, progress=None, as_field=false,
-                    importance=None))]
+                    importance=None, diffuse_transmittance=None))]
 pub fn solve(
     py: Python<'_>,
     enclosure: &Enclosure,
@@ -182,11 +177,12 @@ pub fn solve(
     progress: Option<Bound<'_, PyAny>>,
     as_field: bool,
     importance: Option<PyReadonlyArray1<'_, f64>>,
+    diffuse_transmittance: Option<PyReadonlyArray2<'_, f64>>,
 ) -> PyResult<Solution> {
     let importance = importance.map_or(Vec::new(), |array| array.as_array().to_vec());
     let settings = settings(accuracy, seed, max_rays, memory_limit, method, max_iterations, exact_closure)?;
     let settings = Settings { as_field, importance, ..settings };
-    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
+    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps, diffuse_transmittance)?;
     let enclosure = enclosure.inner.clone();
     let result = watch::run(py, threads, progress.as_ref(), |control| {
         radiosity_equilibrium::solve(enclosure, &lighting, &settings, control)
@@ -217,7 +213,7 @@ pub fn solve_on_demand(
     if settings.method.overshoot().is_none() {
         return Err(PyValueError::new_err(format!("'{method}' needs products, and rows on demand have none")));
     }
-    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
+    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps, None)?;
     let fronts = enclosure.inner.patches().len();
     let result = observed(py, threads, progress, on_iterate, (fronts, lighting.bands), |observer, control| {
         radiosity_equilibrium::solve_on_demand(&enclosure.inner, &lighting, &settings, observer, control)
@@ -245,7 +241,7 @@ pub fn solve_linked(
     on_iterate: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Solution> {
     let settings = settings(accuracy, seed, 0, memory_limit, method, max_iterations, false)?;
-    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps)?;
+    let lighting = lighting_in(&enclosure.inner, reflectance, emission, lamps, None)?;
     let fronts = enclosure.inner.patches().len();
     let result = observed(py, threads, progress, on_iterate, (fronts, lighting.bands), |observer, control| {
         radiosity_equilibrium::solve_linked(&enclosure.inner, &lighting, &settings, observer, control)
@@ -294,16 +290,13 @@ pub fn observed<T: Send>(
 fn relight(
     py: Python<'_>,
     source: &Source,
-    reflectance: PyReadonlyArray2<'_, f64>,
-    emission: PyReadonlyArray2<'_, f64>,
-    lamps: Vec<LightTuple>,
+    lighting: &Lighting,
     settings: &Settings,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Solution> {
-    let lighting = lighting_in(source.enclosure(), reflectance, emission, lamps)?;
     let result = watch::run(py, threads, progress.as_ref(), |control| {
-        radiosity_equilibrium::relight(source, &lighting, settings, control)
+        radiosity_equilibrium::relight(source, lighting, settings, control)
     })?;
     Solution::new(result, lighting.bands)
 }
@@ -313,10 +306,12 @@ pub fn lighting_in(
     reflectance: PyReadonlyArray2<'_, f64>,
     emission: PyReadonlyArray2<'_, f64>,
     lamps: Vec<LightTuple>,
+    diffuse_transmittance: Option<PyReadonlyArray2<'_, f64>>,
 ) -> PyResult<Lighting> {
     let (n, bands) = (enclosure.patches().len(), reflectance.as_array().ncols());
     let reflectance = convert::block_in(&reflectance, n, bands, "reflectance")?;
     let emission = convert::block_in(&emission, n, bands, "emission")?;
+    let diffuse_transmittance = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
     let finite = |v: &f64| v.is_finite() && *v >= 0.0;
     if let Some(k) = reflectance.iter().position(|r| !(0.0..1.0).contains(r)) {
         let (patch, value) = (k / bands, reflectance[k]);
@@ -326,9 +321,37 @@ pub fn lighting_in(
         let (patch, value) = (k / bands, emission[k]);
         return Err(PyValueError::new_err(format!("patch {patch}: emission {value} is not a nonnegative number")));
     }
-    check_diffuse_parts(enclosure, &reflectance, &emission, bands)?;
+    let scattered = scattered(enclosure, &reflectance, &diffuse_transmittance, bands)?;
+    check_diffuse_parts(enclosure, &scattered, &emission, bands)?;
     let lamps = lamps.into_iter().map(|l| lamp_in(l, bands)).collect::<PyResult<_>>()?;
-    Ok(Lighting { bands, reflectance, emission, lamps })
+    Ok(Lighting { bands, reflectance, emission, lamps, diffuse_transmittance })
+}
+
+/// What patches send back and on together; light passes through those that have a back only.
+fn scattered(
+    enclosure: &radiosity_exchange::Enclosure,
+    reflectance: &[f64],
+    through: &[f64],
+    bands: usize,
+) -> PyResult<Vec<f64>> {
+    let passing = through.iter().chain(std::iter::repeat(&0.0));
+    let scattered: Vec<f64> = reflectance.iter().zip(passing).map(|(rho, tau)| rho + tau).collect();
+    if let Some(k) = scattered.iter().position(|r| *r >= 1.0) {
+        return Err(PyValueError::new_err(format!(
+            "patch {}: reflectance {} and diffuse transmittance {} must together stay below 1",
+            k / bands,
+            reflectance[k],
+            through[k]
+        )));
+    }
+    let two_sided = &enclosure.patches().two_sided;
+    match (0..through.len()).find(|&k| through[k] > 0.0 && !two_sided[k / bands]) {
+        None => Ok(scattered),
+        Some(k) => Err(PyValueError::new_err(format!(
+            "patch {}: light passes through it diffusely, and it has no back: make it two-sided",
+            k / bands
+        ))),
+    }
 }
 
 /// Paint and light of patches that are mirrors or let light through, of which only a part is diffuse.

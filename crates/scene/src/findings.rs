@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use self::overlaps::{corner_key, duplicate_faces};
-use crate::model::{Camera, Face, Finding, Light, MOST_PLACES, Scene, SceneError, Severity, Surface};
+use crate::model::{Camera, Face, Finding, Light, MOST_PLACES, Material, Scene, SceneError, Severity, Surface};
 use crate::quad::{self, Shape};
 
 /// Above this reflectance solutions need hundreds of bounces and small errors grow.
@@ -121,6 +121,7 @@ fn optics_findings(scene: &Scene) -> Vec<Finding> {
         spectrum_lengths(scene, surface, &mut found);
         reflectances(scene, surface, &mut found);
         speculars(scene, surface, &mut found);
+        translucency(scene, surface, &mut found);
         emissions(scene, surface, &mut found);
         lamp_without_area(surface, &mut found);
         found[before..].iter_mut().for_each(|finding| finding.place.surface = Some(index as u32));
@@ -266,9 +267,11 @@ fn usual_unit(diagonal: f64) -> Option<(&'static str, f64)> {
 
 fn spectrum_lengths(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
     let bands = scene.bands.len();
-    let spectra = [("reflectance", surface.material.reflectance.len()), ("emission", surface.material.emission.len())];
-    for (what, length) in spectra {
-        if length != bands {
+    let material = &surface.material;
+    let through = Some(material.diffuse_transmittance.len()).filter(|&length| length > 0);
+    let spectra = [("reflectance", Some(material.reflectance.len())), ("emission", Some(material.emission.len()))];
+    for (what, length) in spectra.into_iter().chain([("diffuse transmittance", through)]) {
+        if let Some(length) = length.filter(|&length| length != bands) {
             let message = format!("its {what} has {length} values for {bands} bands; give one per band");
             found.push(Finding::error("spectrum-length", named(surface), message));
         }
@@ -313,13 +316,14 @@ fn speculars(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
         return;
     }
     let going_on = material.specular + material.transmittance;
-    let most = material.reflectance.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-    let (index, diffuse) = most.unwrap_or((0, 0.0));
+    let scattered = (0..material.reflectance.len()).map(|band| (band, material.scattered(band)));
+    let (index, diffuse) = scattered.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
     let is_ideal = diffuse == 0.0 && going_on <= 1.0 + ROUNDING;
     if !is_ideal && diffuse + going_on >= 1.0 {
         let message = format!(
-            "its reflectance {diffuse}, specular {} and transmittance {} in band {} make {}; together they must stay \
+            "its {}, specular {} and transmittance {} in band {} make {}; together they must stay \
              below 1: lower them, or give reflectance 0 for an ideal mirror or pane, which may have 1",
+            diffuse_parts(material, index),
             material.specular,
             material.transmittance,
             band(scene, index),
@@ -330,6 +334,47 @@ fn speculars(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
         let message = "it emits, and all that meets it goes on: nothing of it is left to emit; lower its specular or \
                        transmittance";
         found.push(Finding::error("specular-lamp", named(surface), message));
+    }
+}
+
+/// What a surface sends to its other side comes out there, which must be one, and of the same whole as what it reflects.
+fn translucency(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
+    let material = &surface.material;
+    if !material.is_translucent() {
+        return;
+    }
+    if let Some(i) = material.diffuse_transmittance.iter().position(|tau| !(0.0..1.0).contains(tau)) {
+        let tau = material.diffuse_transmittance[i];
+        let message = format!(
+            "its diffuse transmittance in band {} is {tau}; it must be at least 0 and less than 1",
+            band(scene, i)
+        );
+        found.push(Finding::error("translucent-range", named(surface), message));
+        return;
+    }
+    let bands = material.reflectance.len().min(material.diffuse_transmittance.len());
+    if let Some(i) = (0..bands).find(|&i| material.scattered(i) >= 1.0).filter(|_| !material.is_specular()) {
+        let message = format!(
+            "its {} in band {} make {}; together they must stay below 1: lower them",
+            diffuse_parts(material, i),
+            band(scene, i),
+            material.scattered(i)
+        );
+        found.push(Finding::error("translucent-sum", named(surface), message));
+    }
+    if !material.two_sided {
+        let message = "it lets light through diffusely, which must leave its back, and that is black: make it two-sided, or \
+                       its diffuse transmittance 0";
+        found.push(Finding::error("translucent-one-sided", named(surface), message));
+    }
+}
+
+/// What is diffuse of a material in a band, in words.
+fn diffuse_parts(material: &Material, band: usize) -> String {
+    let reflectance = material.reflectance[band];
+    match material.diffuse_transmittance.get(band) {
+        Some(tau) if *tau > 0.0 => format!("reflectance {reflectance} and diffuse transmittance {tau}"),
+        _ => format!("reflectance {reflectance}"),
     }
 }
 

@@ -508,3 +508,23 @@ fn mirrors_glass_and_paint_share_what_meets_them() {
         assert_eq!(of_parts(specular, transmittance, 0.0, 1.0).remove(0).code, "specular-range");
     }
 }
+
+#[test]
+fn what_passes_diffusely_is_a_part_that_needs_a_back() {
+    let found = |material: Material| {
+        let mut found = scene(vec![Surface { material, ..square() }]).findings();
+        found.retain(|finding| finding.code != "no-light");
+        found
+    };
+    let paper =
+        |rho: f64, tau: f64| Material::new("paper", &[rho; 3], &[0.0; 3]).with_diffuse_transmittance(&[0.1, tau, 0.1]);
+    assert_eq!(found(paper(0.4, 0.5)), vec![]);
+    let sum = found(paper(0.5, 0.5)).remove(0);
+    assert_eq!((sum.code, sum.severity), ("translucent-sum", Severity::Error));
+    assert!(sum.message.contains("diffuse transmittance 0.5 in band G make 1;"), "{sum}");
+    let codes = |material| found(material).into_iter().map(|finding| finding.code).collect::<Vec<_>>();
+    assert_eq!(codes(paper(0.5, -0.1)), ["translucent-range"]);
+    assert_eq!(codes(paper(0.3, 0.4).with_specular(0.2, 0.2)), ["specular-sum"]);
+    assert_eq!(codes(Material { two_sided: false, ..paper(0.5, 0.2) }), ["translucent-one-sided"]);
+    assert_eq!(codes(Material { diffuse_transmittance: vec![0.1], ..paper(0.5, 0.2) }), ["spectrum-length"]);
+}

@@ -61,7 +61,8 @@ pub struct Surface {
 
 /// Diffuse reflectance and emission per band, and what goes on as from a mirror or through clear glass.
 ///
-/// Of what meets a surface, diffuse reflectance, specular reflectance and transmittance are parts; the rest is absorbed.
+/// Of what meets a surface, diffuse reflectance, diffuse transmittance, specular reflectance and transmittance are parts;
+/// the rest is absorbed.
 #[derive(Clone, Debug, Default)]
 pub struct Material {
     /// Name from the file.
@@ -76,6 +77,9 @@ pub struct Material {
     pub transmittance: f64,
     /// Whether both sides reflect and emit; otherwise the back is black, and opaque but for what passes.
     pub two_sided: bool,
+    /// The part that leaves the other side diffusely, as of paper and leaves, per band and from either side; may be empty
+    /// where there is none. What has any must be two-sided.
+    pub diffuse_transmittance: Vec<f64>,
 }
 
 /// A light without area.
@@ -268,6 +272,21 @@ impl Material {
     /// The same, of which parts are a mirror and clear.
     pub fn with_specular(self, specular: f64, transmittance: f64) -> Self {
         Self { specular, transmittance, ..self }
+    }
+
+    /// The same on both sides, with a part that leaves the other side diffusely, per band.
+    pub fn with_diffuse_transmittance(self, transmittance: &[f64]) -> Self {
+        Self { diffuse_transmittance: transmittance.to_vec(), two_sided: true, ..self }
+    }
+
+    /// Whether any light leaves the other side diffusely.
+    pub fn is_translucent(&self) -> bool {
+        self.diffuse_transmittance.iter().any(|&tau| tau != 0.0)
+    }
+
+    /// What a band scatters, to both sides together.
+    pub fn scattered(&self, band: usize) -> f64 {
+        self.reflectance[band] + self.diffuse_transmittance.get(band).unwrap_or(&0.0)
     }
 
     /// Whether any light goes on from it as from a mirror or through glass.

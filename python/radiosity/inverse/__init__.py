@@ -204,6 +204,8 @@ def design(
         # Form factors know no lamps.
         start = solve(start, accuracy=accuracy, progress=progress, **options)
     asked = list(_targets(targets))
+    if isinstance(start, Patches):
+        start._demand_opaque("a search for lamps and paint", "")
     if isinstance(start, Solution):
         demand_exchange(start)
         free = list(_variables(variables, start.patches.scene))

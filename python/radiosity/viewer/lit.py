@@ -68,7 +68,8 @@ class Lit:
     def _light(self) -> dict[str, npt.NDArray[Any]]:
         models = self.layers or [self.model]
         return {
-            "emission": np.stack([m.emission for m in models]),
+            # The page knows reflection alone: what passes through patches shines for it.
+            "emission": np.stack([m.emission + m._passed for m in models]),
             "irradiance": np.stack([m.irradiance for m in models]),
             "corner_irradiance": np.stack([corner_irradiance(m) for m in models]),
             "error": np.nan_to_num(self.model.error),

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from radiosity.files import LitModel
+from radiosity.files import LitModel, passed_through
 from radiosity.solution import Solution
 from radiosity.viewer.layers import adding_up, factors, layer
 from radiosity.viewer.lit import Lit
@@ -118,7 +118,7 @@ class Relighter:
         back = np.flatnonzero(base.patches.two_sided)
         emitted, _ = factors(lamps, base.patches, weights)
         emission, rho = (np.concatenate([a, a[back]]) for a in (base.emission * emitted, reflectance))
-        return known.with_light(emission, irradiance, rho)
+        return known.with_light(emission, irradiance, rho, passed_through(base.patches, irradiance))
 
     def scene(self) -> Lit:
         """The light as in the scene, in layers if it is wanted so."""

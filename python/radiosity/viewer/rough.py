@@ -53,7 +53,8 @@ def one_sided(patches: Patches) -> Patches:
         np.zeros(len(patches) + len(back), dtype=bool),
         patches.obstructions,
     )
-    surfaces = [replace(s, two_sided=False) for s in scene.surfaces]
+    # Nothing passes yet: what shoots takes patches for opaque.
+    surfaces = [replace(s, two_sided=False, diffuse_transmittance=0.0) for s in scene.surfaces]
     backs = [replace(s, faces=np.asarray(s.faces)[:, ::-1], name=f"{s.name} (back)") for s in surfaces]
     return Patches(Scene([*surfaces, *backs], scene.lights, scene.cameras, scene.name, scene.bands), native)
 
@@ -77,7 +78,7 @@ def _model(patches: Patches, irradiance: Floats, radiosity: Floats, report: dict
     scene = patches.scene
     table = [np.broadcast_to(np.asarray(s.reflectance, dtype=np.float64), len(scene.bands)) for s in scene.surfaces]
     surfaces = [
-        (s.name, s.material, rho.tolist(), False, *scene._going_on(s))
+        (s.name, s.material, rho.tolist(), False, *scene._going_on(s), scene._through(s))
         for s, rho in zip(scene.surfaces, table, strict=True)
     ]
     unknown = np.full_like(irradiance, np.nan)

@@ -79,6 +79,7 @@ fn lighting() -> Lighting {
             luminaire: Luminaire::Point { position: DVec3::new(1.7, 1.6, 0.4) },
             strength: vec![5.0, 9.0],
         }],
+        ..Lighting::default()
     }
 }
 

@@ -188,6 +188,7 @@ pub fn shoot(
 ) -> Result<ShotSolution, Failure> {
     let began = Instant::now();
     enclosure.without_specular("shooting")?;
+    lighting.demand_opaque("shooting")?;
     let luminaires = luminaires(enclosure, lighting);
     let cells = Cells::new(enclosure);
     let needed = forecast(enclosure, lighting);

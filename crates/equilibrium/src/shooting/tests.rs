@@ -25,7 +25,7 @@ fn uniform(enclosure: &Enclosure, reflectance: &[f64], emission: &[f64]) -> Ligh
         bands: reflectance.len(),
         reflectance: reflectance.repeat(n),
         emission: emission.repeat(n),
-        lamps: vec![],
+        ..Lighting::default()
     }
 }
 

@@ -31,6 +31,7 @@ fn sample(bands: usize) -> LitData {
         two_sided,
         specular: if two_sided { 0.25 } else { 0.0 },
         transmittance: if two_sided { 0.5 } else { 0.0 },
+        diffuse_transmittance: if two_sided { vec![0.125; bands] } else { Vec::new() },
     };
     LitData {
         patches,

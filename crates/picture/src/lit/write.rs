@@ -72,8 +72,9 @@ fn patches_by_surface(model: &LitModel) -> Vec<Vec<usize>> {
 fn colours(model: &LitModel) -> Vec<[f32; 3]> {
     let bands = model.bands.len();
     let reflectance: Vec<&[f64]> = model.surfaces.iter().map(|s| &s.reflectance[..]).collect();
+    let through: Vec<&[f64]> = model.surfaces.iter().map(|s| &s.diffuse_transmittance[..]).collect();
     let smoother = Smoother::new(model.patches, radiosity_geometry::corners::CREASE_ANGLE);
-    let corners = smoother.corner_radiosity(model.radiosity, model.irradiance, &reflectance, bands);
+    let corners = smoother.corner_radiosity(model.radiosity, model.irradiance, &reflectance, &through, bands);
     let exposed = |b: &f64| (b * FRAC_1_PI * model.exposure) as f32;
     let colour = |corner: &[f64]| ToneCurve::Filmic.apply(rgb(&corner.iter().map(exposed).collect::<Vec<_>>()));
     match bands {

@@ -17,6 +17,8 @@ pub(super) struct Mean {
     pub colour: [f64; 3],
     /// For data such as metalness: averaged as stored.
     pub data: [f64; 3],
+    /// The alpha channel as stored; 1 where there is none.
+    pub alpha: f64,
 }
 
 /// The mean of a PNG or JPEG image.
@@ -33,7 +35,17 @@ pub(super) fn mean(bytes: &[u8]) -> Result<Mean, String> {
     if image.width() == 0 || image.height() == 0 {
         return Err("it has no pixels".into());
     }
-    Ok(mean_of(image))
+    let alpha = mean_alpha(&image);
+    Ok(Mean { alpha, ..mean_of(image) })
+}
+
+fn mean_alpha(image: &DynamicImage) -> f64 {
+    if !image.color().has_alpha() {
+        return 1.0;
+    }
+    let image = image.to_rgba16();
+    let sum: f64 = image.pixels().map(|pixel| f64::from(pixel.0[3]) / 65535.0).sum();
+    sum / (f64::from(image.width()) * f64::from(image.height()))
 }
 
 fn mean_of(image: DynamicImage) -> Mean {
@@ -55,7 +67,7 @@ fn average(pixels: impl Iterator<Item = [f64; 3]>) -> Mean {
         }
         count += 1.0;
     }
-    Mean { colour: colour.map(|sum| sum / count), data: data.map(|sum| sum / count) }
+    Mean { colour: colour.map(|sum| sum / count), data: data.map(|sum| sum / count), alpha: 1.0 }
 }
 
 /// Counts the 256 levels of each channel first, which is exact and spares a power per pixel.
@@ -73,7 +85,7 @@ fn from_histogram(pixels: &[u8]) -> Mean {
             sum / count
         })
     };
-    Mean { colour: weighted(linear), data: weighted(|c| c) }
+    Mean { colour: weighted(linear), data: weighted(|c| c), alpha: 1.0 }
 }
 
 /// IEC 61966-2-1, the inverse of the sRGB transfer function.
@@ -101,6 +113,15 @@ pub(super) mod tests {
         assert_eq!(mean.colour[1], 0.0);
         assert!((mean.colour[2] - 0.215_860_5).abs() < 1e-6, "sRGB 128 is 21.6 % of white");
         assert!((mean.data[2] - 128.0 / 255.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn alpha_is_averaged_as_stored() {
+        let image = image::RgbaImage::from_fn(4, 2, |x, _| image::Rgba([0, 0, 0, if x < 1 { 255 } else { 51 }]));
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        assert!((mean(bytes.get_ref()).unwrap().alpha - (0.25 + 0.75 * 0.2)).abs() < 1e-12);
+        assert_eq!(mean(&two_colour_png([1, 2, 3], [4, 5, 6])).unwrap().alpha, 1.0);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Materials: what is diffuse of them, and of smooth ones what is a mirror or clear.
+//! Materials: what is diffuse of them, to either side, and of smooth ones what is a mirror or clear.
 
 use ::gltf::json;
 use ::gltf::json::material::AlphaMode;
@@ -37,6 +37,8 @@ struct Optics {
     passed: [f64; 3],
     emission: [f64; 3],
     two_sided: bool,
+    /// What leaves the other side diffusely.
+    diffused: [f64; 3],
 }
 
 /// The greatest roughness of mirrors and clear glass: its square, the width of the lobe (Walter et al. 2007), is then
@@ -68,9 +70,12 @@ impl<'a> Materials<'a> {
         let reflectance = colour::limited(times(optics.reflectance, tint), &optics.name, &mut self.roll);
         let specular = self.grey(times(optics.mirrored, tint), &optics.name);
         let transmittance = self.grey(times(optics.passed, tint), &optics.name);
+        let diffused = colour::limited(times(optics.diffused, tint), &optics.name, &mut self.roll);
         let material =
             Material::new(optics.name, &reflectance, &optics.emission).with_specular(specular, transmittance);
-        Ok(self.limited(Material { two_sided: optics.two_sided, ..material }))
+        let material = Material { two_sided: optics.two_sided, ..material };
+        let is_translucent = diffused != [0.0; 3];
+        Ok(self.limited(if is_translucent { material.with_diffuse_transmittance(&diffused) } else { material }))
     }
 
     /// Mirrors and glass have one value for all bands.
@@ -85,18 +90,20 @@ impl<'a> Materials<'a> {
 
     /// The same, with something left to absorb unless it is nothing but mirror and glass.
     fn limited(&mut self, material: Material) -> Material {
-        let diffuse = material.reflectance.iter().copied().fold(0.0, f64::max);
+        let diffuse = (0..material.reflectance.len()).map(|band| material.scattered(band)).fold(0.0, f64::max);
         let going_on = material.specular + material.transmittance;
         let is_ideal = diffuse == 0.0 && !material.emits() && going_on <= 1.0;
-        if going_on == 0.0 || is_ideal || diffuse + going_on <= colour::MAX_REFLECTANCE {
+        if is_ideal || diffuse + going_on <= colour::MAX_REFLECTANCE {
             return material;
         }
         let message = "what it reflects, mirrors and lets through was limited to 0.95 together; darken its base colour";
         self.roll.note("mirror-limited", "material", &material.name, message);
         let share = colour::MAX_REFLECTANCE / (diffuse + going_on);
-        let reflectance = material.reflectance.iter().map(|rho| share * rho).collect();
+        let scaled = |spectrum: &[f64]| spectrum.iter().map(|part| share * part).collect();
+        let reflectance = scaled(&material.reflectance);
+        let diffuse_transmittance = scaled(&material.diffuse_transmittance);
         let (specular, transmittance) = (share * material.specular, share * material.transmittance);
-        Material { reflectance, specular, transmittance, ..material }
+        Material { reflectance, specular, transmittance, diffuse_transmittance, ..material }
     }
 
     pub fn into_findings(mut self) -> Vec<Finding> {
@@ -115,6 +122,7 @@ impl<'a> Materials<'a> {
             passed: [0.0; 3],
             emission: [0.0; 3],
             two_sided: false,
+            diffused: [0.0; 3],
         }
     }
 
@@ -135,9 +143,9 @@ impl<'a> Materials<'a> {
         let root = self.document.root;
         let source = &root.materials[index];
         let name = source.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {index}"));
-        let [reflectance, mirrored, passed] = self.parts(source, &name)?;
+        let [reflectance, mirrored, passed, diffused] = self.parts(source, &name)?;
         let emission = self.emission(source, &name)?;
-        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided: source.double_sided })
+        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided: source.double_sided, diffused })
     }
 
     fn fail(&self, name: &str, message: impl Into<String>) -> SceneError {
@@ -150,8 +158,8 @@ impl<'a> Materials<'a> {
         self.roll.warn("transparent-material", "material", name, message);
     }
 
-    /// What is reflected diffusely, as from a mirror, and let through.
-    fn parts(&mut self, source: &json::Material, name: &str) -> Result<[[f64; 3]; 3], SceneError> {
+    /// What is reflected diffusely, as from a mirror, let through, and let through diffusely.
+    fn parts(&mut self, source: &json::Material, name: &str) -> Result<[[f64; 3]; 4], SceneError> {
         let blends = source.alpha_mode != Checked::Valid(AlphaMode::Opaque);
         let wanted = self.transmission(source, name)?;
         let glossy = source.extensions.as_ref().and_then(|extensions| extensions.pbr_specular_glossiness.as_ref());
@@ -160,7 +168,7 @@ impl<'a> Materials<'a> {
                 self.warn_of_transparency(name);
             }
             let factor = rgb(glossy.diffuse_factor.0);
-            return Ok([self.diffuse(factor, glossy.diffuse_texture.as_ref(), name)?, [0.0; 3], [0.0; 3]]);
+            return Ok([self.diffuse(factor, glossy.diffuse_texture.as_ref(), name)?, [0.0; 3], [0.0; 3], [0.0; 3]]);
         }
         let pbr = &source.pbr_metallic_roughness;
         let base = self.diffuse(rgb(pbr.base_color_factor.0), pbr.base_color_texture.as_ref(), name)?;
@@ -175,8 +183,36 @@ impl<'a> Materials<'a> {
             self.warn_of_transparency(name);
         }
         let (mirrors, passes) = if is_smooth { (metallic, wanted) } else { (0.0, 0.0) };
+        let (diffuse, (share, colour)) = ((1.0 - metallic) * (1.0 - passes), self.diffuse_transmission(source, name)?);
         let part = |share: f64| base.map(|c| c * share);
-        Ok([part((1.0 - metallic) * (1.0 - passes)), part(mirrors), part((1.0 - metallic) * passes)])
+        let diffused = colour.map(|c| c * share * diffuse);
+        Ok([part(diffuse * (1.0 - share)), part(mirrors), part((1.0 - metallic) * passes), diffused])
+    }
+
+    /// The share of what is diffuse that leaves the other side, and its colour; the texture of the one keeps it in its
+    /// alpha channel.
+    fn diffuse_transmission(&mut self, source: &json::Material, name: &str) -> Result<(f64, [f64; 3]), SceneError> {
+        let others = source.extensions.as_ref().map(|extensions| &extensions.others);
+        let Some(value) = others.and_then(|others| others.get("KHR_materials_diffuse_transmission")) else {
+            return Ok((0.0, [1.0; 3]));
+        };
+        let extension: DiffuseTransmission = serde_json::from_value(value.clone()).map_err(|fault| {
+            self.fail(name, format!("its KHR_materials_diffuse_transmission is malformed: {fault}"))
+        })?;
+        let factor = self.fraction(extension.factor, "diffuse transmission factor", name)?;
+        if factor == 0.0 {
+            return Ok((0.0, [1.0; 3]));
+        }
+        let what = "diffuse transmission";
+        let share = extension.texture.map_or(1.0, |info| self.mean(&info, name, what, 0.0).alpha);
+        let tint = extension.colour.map(f64::from);
+        if !colour::is_fraction(tint) {
+            return Err(self.fail(name, format!("its {what} colour {tint:?} must lie within 0 and 1; correct it")));
+        }
+        let texture = extension.colour_texture;
+        let mean =
+            texture.map(|info| self.mean(&info, name, "diffuse transmission colour", UNKNOWN_REFLECTANCE).colour);
+        Ok((factor * share, mean.map_or(tint, |mean| times(tint, mean))))
     }
 
     /// The share of light that enters and passes; the texture keeps it in its red channel.
@@ -249,7 +285,7 @@ impl<'a> Materials<'a> {
                 format!("material '{material}', {what} texture"),
                 format!("{fault}; {otherwise} was taken for it; supply it as PNG or JPEG next to the scene"),
             ));
-            Mean { colour: [otherwise; 3], data: [otherwise; 3] }
+            Mean { colour: [otherwise; 3], data: [otherwise; 3], alpha: otherwise }
         })
     }
 
@@ -273,6 +309,26 @@ impl<'a> Materials<'a> {
             (None, Some(view)) => mean(self.document.view(view)?.0),
             (None, None) => Err("it has no data".into()),
         }
+    }
+}
+
+/// The extension KHR_materials_diffuse_transmission.
+#[derive(serde::Deserialize)]
+#[serde(default)]
+struct DiffuseTransmission {
+    #[serde(rename = "diffuseTransmissionFactor")]
+    factor: f32,
+    #[serde(rename = "diffuseTransmissionTexture")]
+    texture: Option<texture::Info>,
+    #[serde(rename = "diffuseTransmissionColorFactor")]
+    colour: [f32; 3],
+    #[serde(rename = "diffuseTransmissionColorTexture")]
+    colour_texture: Option<texture::Info>,
+}
+
+impl Default for DiffuseTransmission {
+    fn default() -> Self {
+        Self { factor: 0.0, texture: None, colour: [1.0; 3], colour_texture: None }
     }
 }
 

@@ -6,10 +6,13 @@
 //! | base colour factor x mean of its texture x mean of COLOR_0 x (1 - metallic) | reflectance, limited to 0.95 |
 //! | base colour x metallic, where roughness is at most 0.1 | mirror reflectance: its luminance |
 //! | base colour x (1 - metallic) x transmission factor x mean of its texture, likewise | transmittance: its luminance |
+//! | diffuse transmission factor x its colour x means of their textures x (1 - metallic) | diffuse transmittance |
 //! | emissive factor x mean of its texture x strength | radiance; exitance is pi times that |
 //! | doubleSided | two-sided |
 //! | KHR_lights_punctual | point, spot and directional lights; ranges are ignored |
 //! | perspective camera | camera |
+//!
+//! What transmits diffusely reflects the rest of its factor of the base colour, and is two-sided whatever the file says.
 //!
 //! Metals and glass that are rougher are what is diffuse of them, with a finding. What a coat or glass mirrors of light
 //! by its refractive index, a few per cent, is left out.
@@ -140,7 +143,8 @@ impl<'a> Reader<'a> {
                 ));
             }
             let mut material = self.materials.of(primitive)?;
-            material.two_sided = self.options.two_sided.unwrap_or(material.two_sided);
+            let two_sided = self.options.two_sided.unwrap_or(material.two_sided);
+            material.two_sided = two_sided || material.is_translucent();
             let (vertices, faces) = geometry::placed(primitive, placement.world, self.metres);
             self.scene.surfaces.push(Surface { name: self.names.claim(&name), vertices, faces, material });
         }

@@ -741,3 +741,27 @@ fn smooth_transmission_is_clear_glass() {
     let odd = with_material(json!({}), json!({"KHR_materials_transmission": {"transmissionFactor": 2}}));
     assert!(refusal(&odd).contains("transmission factor"));
 }
+
+#[test]
+fn diffuse_transmission_is_a_part_of_what_is_diffuse() {
+    let paper = json!({"baseColorFactor": [0.8, 0.6, 0.4, 1], "metallicFactor": 0});
+    let through = |extension: Value| json!({"KHR_materials_diffuse_transmission": extension});
+    let wanted = json!({"diffuseTransmissionFactor": 0.25, "diffuseTransmissionColorFactor": [1, 0.8, 0.4]});
+    let scene = parsed(&with_material(paper.clone(), through(wanted)));
+    let material = &scene.surfaces[0].material;
+    assert!(close(&material.reflectance, &[0.6, 0.45, 0.3]), "{material:?}");
+    assert!(close(&material.diffuse_transmittance, &[0.25, 0.2, 0.1]) && material.two_sided, "{material:?}");
+    assert_eq!(codes(&scene), [""; 0]);
+    // Of nothing, nothing passes, and sides stay as the file says.
+    let opaque = parsed(&with_material(paper.clone(), through(json!({}))));
+    let material = &opaque.surfaces[0].material;
+    assert!(!material.is_translucent() && !material.two_sided && close(&material.reflectance, &[0.8, 0.6, 0.4]));
+    let white = json!({"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0});
+    let full = parsed(&with_material(white, through(json!({"diffuseTransmissionFactor": 0.5}))));
+    let material = &full.surfaces[0].material;
+    assert!(close(&material.reflectance, &[0.475; 3]) && close(&material.diffuse_transmittance, &[0.475; 3]));
+    assert_eq!(codes(&full), ["mirror-limited"]);
+    for odd in [json!({"diffuseTransmissionFactor": 2}), json!({"diffuseTransmissionFactor": "half"})] {
+        assert!(refusal(&with_material(paper.clone(), through(odd))).contains("diffuse"));
+    }
+}
