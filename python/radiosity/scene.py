@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from radiosity import _native
 from radiosity._native import SceneError
+from radiosity.texture import Texture
 
 if TYPE_CHECKING:
     from radiosity.patches import Patches
@@ -77,6 +78,7 @@ class Surface:
         specular: mirror reflectance in [0, 1], the same in all bands: what goes on as from a plane mirror.
         transmittance: what passes straight through, as through a thin sheet of clear glass and from either side, in
             [0, 1], the same in all bands.
+        texture: an image that multiplies ``reflectance``, with a place on it for each vertex.
     """
 
     vertices: npt.ArrayLike
@@ -88,6 +90,7 @@ class Surface:
     material: str = ""
     specular: npt.ArrayLike = 0.0
     transmittance: npt.ArrayLike = 0.0
+    texture: Texture | None = None
 
     def __post_init__(self) -> None:
         vertices, faces = np.asarray(self.vertices, dtype=np.float64), np.asarray(self.faces)
@@ -99,6 +102,11 @@ class Surface:
             raise SceneError(f"surface '{self.name}': faces must have shape (m, 3) or (m, 4), not {faces.shape}")
         self.vertices = np.ascontiguousarray(vertices if vertices.size else np.zeros((0, 3)))
         self.faces = np.ascontiguousarray(faces if faces.size else np.zeros((0, 3)), dtype=np.int64)
+        if self.texture is not None and len(np.asarray(self.texture.uv)) != len(self.vertices):
+            raise SceneError(
+                f"surface '{self.name}': its texture has {len(np.asarray(self.texture.uv))} coordinates for "
+                f"{len(self.vertices)} vertices; give one pair each"
+            )
 
 
 @dataclass(eq=False)
@@ -268,7 +276,8 @@ class Scene:
     def _longest_spectrum(self) -> int:
         spectra = [s.reflectance for s in self.surfaces] + [s.emission for s in self.surfaces]
         spectra += [li.irradiance if isinstance(li, DirectionalLight) else li.intensity for li in self.lights]
-        return max((_bands_of(s) for s in spectra), default=1)
+        channels = [s.texture.channels for s in self.surfaces if s.texture is not None]
+        return max([*(_bands_of(s) for s in spectra), *channels], default=1)
 
     def __repr__(self) -> str:
         faces = sum(len(np.asarray(s.faces)) for s in self.surfaces)
@@ -293,12 +302,13 @@ class Scene:
         surfaces = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
              _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
-             _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s))
+             _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s),
+             None if s.texture is None else s.texture._native())
             for s in self.surfaces
         ]  # fmt: skip
-        obstructions = [
+        obstructions: list[_native._SurfaceIn] = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
-             [0.0] * n, [0.0] * n, False, 0.0, 0.0)
+             [0.0] * n, [0.0] * n, False, 0.0, 0.0, None)
             for s in self.obstructions
         ]  # fmt: skip
         lights, cameras = [light._tuple(n) for light in self.lights], [camera._tuple() for camera in self.cameras]
@@ -364,8 +374,9 @@ class Scene:
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:
-    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance = fields
-    return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance)
+    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, texture = fields
+    return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance,
+                   Texture._from_native(texture))  # fmt: skip
 
 
 def _trim(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]:

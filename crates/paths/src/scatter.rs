@@ -10,6 +10,7 @@ use radiosity_exchange::specular::{MOST_MEETINGS, Step};
 use radiosity_exchange::{Enclosure, Specular};
 use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_geometry::sampling::{Frame, cosine_hemisphere};
+use radiosity_geometry::texture::Values;
 
 /// Draws the direction that a path looks along next by two numbers in (0, 1), a unit vector.
 ///
@@ -85,10 +86,17 @@ impl Reflectance {
         Self { values, bands }
     }
 
-    /// Takes what a side absorbs out of a path; returns what is left in its best band.
+    /// Takes what a side absorbs out of a path, by the texture where it has landed if there is one; returns what is left
+    /// in its best band.
     #[inline]
-    pub fn filter(&self, side: u32, throughput: &mut [f32]) -> f32 {
+    pub fn filter(&self, side: u32, texture: Option<Values>, throughput: &mut [f32]) -> f32 {
         let own = &self.values[side as usize * self.bands..][..self.bands];
+        if let Some(values) = texture {
+            return throughput.iter_mut().enumerate().fold(0.0, |most: f32, (band, left)| {
+                *left *= values.band(band);
+                most.max(*left)
+            });
+        }
         throughput.iter_mut().zip(own).fold(0.0, |most: f32, (left, rho)| {
             *left *= rho;
             most.max(*left)

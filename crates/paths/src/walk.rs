@@ -210,9 +210,9 @@ impl Walk {
             };
             tracer.exitance.add(enclosure, on, weight, throughput, &mut irradiance[of_path]);
             let Some(reflectance) = &tracer.reflectance else { continue };
-            let left = reflectance.filter(side, throughput);
+            let point = enclosure.point_off(side as usize, s, t);
+            let left = reflectance.filter(side, tracer.texture_at(side as usize, point), throughput);
             if left > 0.0 && (step < SPARED || survives(left, numbers.roulette, throughput)) {
-                let point = enclosure.point_off(side as usize, s, t);
                 self.next.push(Vertex { point, normal: enclosure.normal(side as usize), path: vertex.path });
             }
         }

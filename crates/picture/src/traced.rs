@@ -17,7 +17,8 @@ use crate::beyond::{Beyond, Shown};
 use crate::render::{offsets, side_of};
 use crate::view::{Frame, Visible};
 
-/// What surfaces show of what arrives: sides x bands each.
+/// What surfaces show of what arrives: sides x bands each. Textures, which the tracer knows, stand for the reflectance of
+/// the sides that have them.
 #[derive(Clone, Copy, Debug)]
 pub enum Surfaces<'a> {
     /// Radiance, W/(m2 sr).
@@ -334,11 +335,20 @@ impl Film<'_> {
         }
     }
 
+    /// What a side reflects diffusely in each band at a point of it: of those that are given for whole sides, unless it
+    /// has a texture.
+    fn reflectance_at<'a>(&'a self, side: usize, point: DVec3, of_sides: &'a [f32]) -> impl Fn(usize) -> f32 + 'a {
+        let texture = self.tracer.texture_at(side, point);
+        let own = &of_sides[side * self.tracer.bands()..];
+        move |band| texture.map_or_else(|| own[band], |values| values.band(band))
+    }
+
     /// Adds what is reflected of what arrives.
     fn reflect(&self, buffers: &mut Buffers) {
         let bands = self.tracer.bands();
         let share = 1.0 / f64::from(self.points() * self.paths);
-        for (&(pixel, side, weight), found) in buffers.owners.iter().zip(buffers.irradiance.chunks_exact(bands)) {
+        let found = buffers.starts.iter().zip(buffers.irradiance.chunks_exact(bands));
+        for (&(pixel, side, weight), (start, found)) in buffers.owners.iter().zip(found) {
             let sums = &mut buffers.pixels[pixel as usize * bands..][..bands];
             let share = share * f64::from(weight);
             match self.surfaces {
@@ -346,9 +356,9 @@ impl Film<'_> {
                     sums.iter_mut().zip(found).for_each(|(sum, &h)| *sum += share * f64::from(h));
                 }
                 Surfaces::Radiance { reflectance, .. } => {
-                    let own = &reflectance[side as usize * bands..];
-                    for ((sum, &h), &rho) in sums.iter_mut().zip(found).zip(own) {
-                        *sum += share * FRAC_1_PI * f64::from(rho) * f64::from(h);
+                    let rho = self.reflectance_at(side as usize, start.point, reflectance);
+                    for (band, (sum, &h)) in sums.iter_mut().zip(found).enumerate() {
+                        *sum += share * FRAC_1_PI * f64::from(rho(band)) * f64::from(h);
                     }
                 }
             }

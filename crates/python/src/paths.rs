@@ -4,6 +4,7 @@ use crate::patches::{Enclosure, Patches};
 use crate::picture::image_out;
 use crate::scene::{CameraTuple, LightTuple, camera_in};
 use crate::solution::lamp_in;
+use crate::textures::{Textures, textures_in};
 use crate::{convert, watch};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
@@ -92,7 +93,7 @@ fn traced_out(py: Python<'_>, traced: Traced) -> PyResult<TracedOut<'_>> {
 /// their own. The standard error is NaN: samples of a pixel come as one set.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, irradiance, radiosity, lights, camera, width, height, samples, show,
-                    seed, going_on=None, threads=None, progress=None))]
+                    seed, going_on=None, threads=None, progress=None, textures=None))]
 fn gather<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -110,6 +111,7 @@ fn gather<'py>(
     going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
+    textures: Option<PyRef<'py, Textures>>,
 ) -> PyResult<TracedOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -119,6 +121,7 @@ fn gather<'py>(
     let radiosity = convert::block_in(&radiosity, n, bands, "radiosity")?;
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
     check_whole(&reflectance, bands, going_on.as_ref())?;
+    let textures = textures_in(textures, n)?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     shown(show, &[], &[])?;
     let settings = TraceSettings {
@@ -134,8 +137,9 @@ fn gather<'py>(
         let corners = smoother.corner_radiosity_of_patches(&radiosity, &irradiance, &reflectance, bands);
         let exitance = Exitance::Corners(sheets.corners_of_sides(&given, &corners, bands));
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
+        let textures = textures.map(|textures| textures.picked(&sheets.patch_of_side));
         let enclosure = enclosure_of(sheets, going_on.as_ref());
-        let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed);
+        let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed).with_textures(textures);
         let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
         radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
     })?;
@@ -146,7 +150,7 @@ fn gather<'py>(
 /// the most.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, lights, camera, width, height, samples, accuracy, show, seed,
-                    going_on=None, threads=None, progress=None))]
+                    going_on=None, threads=None, progress=None, textures=None))]
 fn path_trace<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -163,6 +167,7 @@ fn path_trace<'py>(
     going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
+    textures: Option<PyRef<'py, Textures>>,
 ) -> PyResult<TracedOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -170,6 +175,7 @@ fn path_trace<'py>(
     let reflectance = reflectance_in(&reflectance, n, bands)?;
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
     check_whole(&reflectance, bands, going_on.as_ref())?;
+    let textures = textures_in(textures, n)?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     let effort = effort_in(samples, accuracy)?;
     shown(show, &[], &[])?;
@@ -177,9 +183,11 @@ fn path_trace<'py>(
     let traced = watch::run(py, threads, progress.as_ref(), |control| {
         let sheets = Sheets::new(&given);
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
+        let textures = textures.map(|textures| textures.picked(&sheets.patch_of_side));
         let enclosure = enclosure_of(sheets, going_on.as_ref());
         let exitance = Exitance::Uniform(emission.clone());
         let tracer = Tracer::paths(&enclosure, bands, exitance, reflectance.clone(), lights, seed);
+        let tracer = tracer.with_textures(textures);
         let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
         radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
     })?;
@@ -189,7 +197,7 @@ fn path_trace<'py>(
 /// Irradiance by path tracing at points, or the means of all sides, fronts before backs; blocks are (n_patches, bands).
 #[pyfunction]
 #[pyo3(signature = (enclosure, emission, reflectance, lights, points, normals, samples, accuracy, seed, threads=None,
-                    progress=None))]
+                    progress=None, textures=None))]
 fn path_irradiance<'py>(
     py: Python<'py>,
     enclosure: &Enclosure,
@@ -203,6 +211,7 @@ fn path_irradiance<'py>(
     seed: u64,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
+    textures: Option<PyRef<'py, Textures>>,
 ) -> PyResult<MeasuredOut<'py>> {
     let enclosure = enclosure.inner.clone();
     let (n, bands) = (enclosure.patches().len(), emission.as_array().ncols());
@@ -218,6 +227,7 @@ fn path_irradiance<'py>(
         )));
     }
     let lights = lights_in(lights, bands)?;
+    let textures = textures_in(textures, n)?;
     let effort = effort_in(samples, accuracy)?;
     let places = match (points, normals) {
         (None, None) => None,
@@ -232,7 +242,9 @@ fn path_irradiance<'py>(
     let measured = watch::run(py, threads, progress.as_ref(), |control| {
         let (emission, reflectance) =
             (of_sides(&enclosure, &emission, bands), of_sides(&enclosure, &reflectance, bands));
-        let tracer = Tracer::paths(&enclosure, bands, Exitance::Uniform(emission), reflectance, lights, seed);
+        let patches: Vec<u32> = (0..enclosure.sides()).map(|side| enclosure.patch_of(side) as u32).collect();
+        let tracer = Tracer::paths(&enclosure, bands, Exitance::Uniform(emission), reflectance, lights, seed)
+            .with_textures(textures.map(|textures| textures.picked(&patches)));
         match &places {
             Some((points, normals)) => radiosity_paths::at_points(&tracer, points, normals, &effort, control),
             None => radiosity_paths::of_sides(&tracer, &effort, control),

@@ -1,12 +1,13 @@
 //! Scenes across the border: plain tuples and arrays out, the same in.
 
+use crate::textures::Raster;
 use crate::{convert, errors, patches};
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use radiosity_scene::meshing::{self, Contacts, Meshing};
-use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Unit, builtin as builtins};
+use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Texture, Unit, builtin as builtins};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -16,11 +17,35 @@ pub struct Scene {
     pub inner: radiosity_scene::Scene,
 }
 
-/// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance.
-type SurfaceOut<'py> =
-    (String, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, String, Vec<f64>, Vec<f64>, bool, f64, f64);
-type SurfaceIn<'py> =
-    (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, i64>, String, Vec<f64>, Vec<f64>, bool, f64, f64);
+/// Image and (n_vertices, 2) coordinates.
+type TextureOut<'py> = Option<(Raster, Bound<'py, PyArray2<f64>>)>;
+type TextureIn<'py> = Option<(Py<Raster>, PyReadonlyArray2<'py, f64>)>;
+
+/// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance; texture.
+type SurfaceOut<'py> = (
+    String,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<u32>>,
+    String,
+    Vec<f64>,
+    Vec<f64>,
+    bool,
+    f64,
+    f64,
+    TextureOut<'py>,
+);
+type SurfaceIn<'py> = (
+    String,
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray2<'py, i64>,
+    String,
+    Vec<f64>,
+    Vec<f64>,
+    bool,
+    f64,
+    f64,
+    TextureIn<'py>,
+);
 
 /// kind, name, position, direction, inner and outer angle, strength.
 pub type LightTuple = (String, String, [f64; 3], [f64; 3], f64, f64, Vec<f64>);
@@ -200,11 +225,17 @@ fn surface_out<'py>(py: Python<'py>, s: &Surface) -> SurfaceOut<'py> {
         m.two_sided,
         m.specular,
         m.transmittance,
+        s.texture.as_ref().map(|texture| {
+            let coordinates = texture.coordinates.as_flattened().to_vec();
+            (Raster { inner: texture.image.clone() }, convert::block_out(py, coordinates, 2))
+        }),
     )
 }
 
 fn surface_in(
-    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance): SurfaceIn<'_>,
+    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, texture): SurfaceIn<
+        '_,
+    >,
 ) -> PyResult<Surface> {
     let view = faces.as_array();
     if !(view.ncols() == 3 || view.ncols() == 4) {
@@ -224,7 +255,11 @@ fn surface_in(
         .collect::<PyResult<_>>()?;
     let vertices = convert::points_in(&vertices, &format!("vertices of surface '{name}'"))?;
     let material = Material { name: material, reflectance, emission, specular, transmittance, two_sided };
-    Ok(Surface { vertices, faces, material, name })
+    let texture = texture.map(|(image, coordinates)| {
+        let coordinates = coordinates.as_array().rows().into_iter().map(|row| [row[0], row[1]]).collect();
+        Texture { image: image.get().inner.clone(), coordinates }
+    });
+    Ok(Surface { vertices, faces, material, name, texture })
 }
 
 pub fn light_out(light: &Light) -> LightTuple {

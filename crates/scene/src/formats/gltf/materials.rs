@@ -7,21 +7,18 @@ use ::gltf::json::validation::Checked;
 
 use super::buffers::Document;
 use super::geometry::Primitive;
+use super::textures::{self, Images, Painted};
 use crate::formats::colour::{self, UNKNOWN_REFLECTANCE, times};
-use crate::formats::folder::{Folder, abbreviated};
+use crate::formats::folder::Folder;
 use crate::formats::names::Roll;
-use crate::formats::texture::{Mean, mean};
-use crate::model::{Finding, Material, SceneError};
-
-/// Image files larger than this are not read.
-const MAX_IMAGE_BYTES: u64 = 1 << 30;
+use crate::formats::texture::{Mean, NO_ROOM};
+use crate::model::{Finding, Material, SceneError, Texture};
 
 /// The materials of a file, each read when first met.
 pub(super) struct Materials<'a> {
     document: &'a Document<'a>,
-    folder: &'a Folder,
     known: Vec<Option<Optics>>,
-    images: Vec<Option<Result<Mean, String>>>,
+    images: Images<'a>,
     findings: Vec<Finding>,
     roll: Roll,
 }
@@ -37,6 +34,16 @@ struct Optics {
     passed: [f64; 3],
     emission: [f64; 3],
     two_sided: bool,
+    /// The image that goes with the diffuse reflectance in place of its mean.
+    painted: Option<Painted>,
+}
+
+/// What is reflected diffusely, as from a mirror, and let through.
+struct Parts {
+    reflectance: [f64; 3],
+    mirrored: [f64; 3],
+    passed: [f64; 3],
+    painted: Option<Painted>,
 }
 
 /// The greatest roughness of mirrors and clear glass: its square, the width of the lobe (Walter et al. 2007), is then
@@ -50,27 +57,46 @@ impl<'a> Materials<'a> {
     pub fn new(document: &'a Document<'a>, folder: &'a Folder) -> Self {
         Self {
             document,
-            folder,
             known: vec![None; document.root.materials.len()],
-            images: vec![None; document.root.images.len()],
+            images: Images::new(document, folder),
             findings: Vec::new(),
             roll: Roll::default(),
         }
     }
 
-    /// The material of a primitive, vertex colours included.
-    pub fn of(&mut self, primitive: &Primitive) -> Result<Material, SceneError> {
+    /// The material of a primitive, vertex colours included, and its texture.
+    pub fn of(&mut self, primitive: &Primitive) -> Result<(Material, Option<Texture>), SceneError> {
         let optics = match primitive.material {
             Some(index) => self.optics(index)?,
             None => self.without_material(),
         };
         let tint = primitive.colour.unwrap_or([1.0; 3]);
-        let reflectance = colour::limited(times(optics.reflectance, tint), &optics.name, &mut self.roll);
+        let (reflectance, texture) = match self.laid(&optics, primitive) {
+            Some((painted, coordinates)) => {
+                let factor = times(painted.factor, tint);
+                let (reflectance, is_limited) =
+                    colour::limited_with(factor, painted.brightest, &optics.name, &mut self.roll);
+                (reflectance, Some(Texture { image: self.images.wrapped(painted, is_limited), coordinates }))
+            }
+            None => (colour::limited(times(optics.reflectance, tint), &optics.name, &mut self.roll), None),
+        };
         let specular = self.grey(times(optics.mirrored, tint), &optics.name);
         let transmittance = self.grey(times(optics.passed, tint), &optics.name);
         let material =
             Material::new(optics.name, &reflectance, &optics.emission).with_specular(specular, transmittance);
-        Ok(self.limited(Material { two_sided: optics.two_sided, ..material }))
+        Ok((self.limited(Material { two_sided: optics.two_sided, ..material }), texture))
+    }
+
+    /// The image of a material and where the vertices of a primitive are on it.
+    fn laid<'b>(&mut self, optics: &'b Optics, primitive: &Primitive) -> Option<(&'b Painted, Vec<[f64; 2]>)> {
+        let painted = optics.painted.as_ref()?;
+        let found = primitive.coordinates.as_ref().and_then(|coordinates| painted.transformed(coordinates));
+        if found.is_none() {
+            let message = "surfaces have no sound texture coordinates for its base colour, and the mean of the image was \
+                           taken; export them along with the mesh";
+            self.roll.warn("no-texture-coordinates", "material", &optics.name, message);
+        }
+        found.map(|coordinates| (painted, coordinates))
     }
 
     /// Mirrors and glass have one value for all bands.
@@ -115,6 +141,7 @@ impl<'a> Materials<'a> {
             passed: [0.0; 3],
             emission: [0.0; 3],
             two_sided: false,
+            painted: None,
         }
     }
 
@@ -135,9 +162,9 @@ impl<'a> Materials<'a> {
         let root = self.document.root;
         let source = &root.materials[index];
         let name = source.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {index}"));
-        let [reflectance, mirrored, passed] = self.parts(source, &name)?;
+        let Parts { reflectance, mirrored, passed, painted } = self.parts(source, &name)?;
         let emission = self.emission(source, &name)?;
-        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided: source.double_sided })
+        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided: source.double_sided, painted })
     }
 
     fn fail(&self, name: &str, message: impl Into<String>) -> SceneError {
@@ -150,8 +177,7 @@ impl<'a> Materials<'a> {
         self.roll.warn("transparent-material", "material", name, message);
     }
 
-    /// What is reflected diffusely, as from a mirror, and let through.
-    fn parts(&mut self, source: &json::Material, name: &str) -> Result<[[f64; 3]; 3], SceneError> {
+    fn parts(&mut self, source: &json::Material, name: &str) -> Result<Parts, SceneError> {
         let blends = source.alpha_mode != Checked::Valid(AlphaMode::Opaque);
         let wanted = self.transmission(source, name)?;
         let glossy = source.extensions.as_ref().and_then(|extensions| extensions.pbr_specular_glossiness.as_ref());
@@ -159,11 +185,11 @@ impl<'a> Materials<'a> {
             if blends || wanted > 0.0 {
                 self.warn_of_transparency(name);
             }
-            let factor = rgb(glossy.diffuse_factor.0);
-            return Ok([self.diffuse(factor, glossy.diffuse_texture.as_ref(), name)?, [0.0; 3], [0.0; 3]]);
+            let (reflectance, painted) = self.diffuse(rgb(glossy.diffuse_factor.0), source, name)?;
+            return Ok(Parts { reflectance, mirrored: [0.0; 3], passed: [0.0; 3], painted });
         }
         let pbr = &source.pbr_metallic_roughness;
-        let base = self.diffuse(rgb(pbr.base_color_factor.0), pbr.base_color_texture.as_ref(), name)?;
+        let (base, painted) = self.diffuse(rgb(pbr.base_color_factor.0), source, name)?;
         let metallic = self.metallic(pbr, name)?;
         let is_smooth = (metallic > NOISE || wanted > NOISE) && self.roughness(pbr, name)? <= SMOOTH;
         if metallic > NOISE && !is_smooth {
@@ -176,7 +202,10 @@ impl<'a> Materials<'a> {
         }
         let (mirrors, passes) = if is_smooth { (metallic, wanted) } else { (0.0, 0.0) };
         let part = |share: f64| base.map(|c| c * share);
-        Ok([part((1.0 - metallic) * (1.0 - passes)), part(mirrors), part((1.0 - metallic) * passes)])
+        let diffuse = (1.0 - metallic) * (1.0 - passes);
+        let (mirrored, passed) = (part(mirrors), part((1.0 - metallic) * passes));
+        let painted = painted.filter(|_| diffuse > 0.0).map(|painted| painted.dimmed(diffuse));
+        Ok(Parts { reflectance: part(diffuse), mirrored, passed, painted })
     }
 
     /// The share of light that enters and passes; the texture keeps it in its red channel.
@@ -204,17 +233,32 @@ impl<'a> Materials<'a> {
         }
     }
 
+    /// The mean of the base colour, and its image if there is one.
     fn diffuse(
         &mut self,
         factor: [f64; 3],
-        texture: Option<&texture::Info>,
+        source: &json::Material,
         name: &str,
-    ) -> Result<[f64; 3], SceneError> {
+    ) -> Result<([f64; 3], Option<Painted>), SceneError> {
         if !colour::is_fraction(factor) {
             return Err(self.fail(name, format!("its base colour {factor:?} must lie within 0 and 1; correct it")));
         }
-        let texture = texture.map(|info| self.mean(info, name, "base colour", UNKNOWN_REFLECTANCE));
-        Ok(texture.map_or(factor, |mean| times(factor, mean.colour)))
+        let Some(info) = textures::of_base_colour(source).filter(|_| factor != [0.0; 3]) else {
+            return Ok((factor, None));
+        };
+        match self.images.painted(info, factor) {
+            Ok((mean, painted)) => {
+                if painted.is_none() {
+                    let element = format!("material '{name}', base colour texture");
+                    self.findings.push(Finding::warning("texture-averaged", element, NO_ROOM));
+                }
+                Ok((times(factor, mean), painted))
+            }
+            Err(fault) => {
+                self.cannot_read(&fault, name, "base colour", UNKNOWN_REFLECTANCE);
+                Ok((times(factor, [UNKNOWN_REFLECTANCE; 3]), None))
+            }
+        }
     }
 
     /// How metallic it is on average; the texture keeps it in its blue channel.
@@ -243,36 +287,18 @@ impl<'a> Materials<'a> {
 
     /// The mean of a texture, or `otherwise` and a finding if it cannot be read.
     fn mean(&mut self, info: &texture::Info, material: &str, what: &str, otherwise: f64) -> Mean {
-        self.image_of(info).unwrap_or_else(|fault| {
-            self.findings.push(Finding::warning(
-                "unreadable-texture",
-                format!("material '{material}', {what} texture"),
-                format!("{fault}; {otherwise} was taken for it; supply it as PNG or JPEG next to the scene"),
-            ));
+        self.images.mean(info).unwrap_or_else(|fault| {
+            self.cannot_read(&fault, material, what, otherwise);
             Mean { colour: [otherwise; 3], data: [otherwise; 3] }
         })
     }
 
-    fn image_of(&mut self, info: &texture::Info) -> Result<Mean, String> {
-        let root = self.document.root;
-        let texture = root.get(info.index).ok_or(format!("texture {} does not exist", info.index.value()))?;
-        let index = texture.source.value();
-        let image = root.images.get(index).ok_or("it has no image in a format that is read")?;
-        if let Some(Some(known)) = self.images.get(index) {
-            return known.clone();
-        }
-        let label = image.uri.as_deref().map_or_else(|| format!("image {index}"), abbreviated);
-        let result = self.decode(image).map_err(|fault| format!("{label} cannot be read ({fault})"));
-        self.images[index] = Some(result.clone());
-        result
-    }
-
-    fn decode(&self, image: &json::Image) -> Result<Mean, String> {
-        match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => mean(&self.folder.read_uri(uri, MAX_IMAGE_BYTES)?),
-            (None, Some(view)) => mean(self.document.view(view)?.0),
-            (None, None) => Err("it has no data".into()),
-        }
+    fn cannot_read(&mut self, fault: &str, material: &str, what: &str, otherwise: f64) {
+        self.findings.push(Finding::warning(
+            "unreadable-texture",
+            format!("material '{material}', {what} texture"),
+            format!("{fault}; {otherwise} was taken for it; supply it as PNG or JPEG next to the scene"),
+        ));
     }
 }
 
