@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from radiosity.snapshot import Snapshot
     from radiosity.solution import Solution, solve
     from radiosity.surface_factors import SurfaceFactors
+    from radiosity.texture import Texture
 
 __all__ = [
     "Camera",
@@ -53,6 +54,7 @@ __all__ = [
     "Surface",
     "SurfaceFactors",
     "Target",
+    "Texture",
     "__version__",
     "catalogue",
     "design",
@@ -100,6 +102,7 @@ _HOME = {
     "Solution": "solution",
     "solve": "solution",
     "SurfaceFactors": "surface_factors",
+    "Texture": "texture",
 }
 _MODULES = {
     "adaptive",
@@ -124,6 +127,7 @@ _MODULES = {
     "solution",
     "surface_factors",
     "teaching",
+    "texture",
     "viewer",
 }
 

@@ -26,17 +26,42 @@ CameraTuple = tuple[str, _Triple, _Triple, _Triple, float, float | None]
 LitSurfaceTuple = tuple[str, str, list[float], bool, float, float, list[float]]
 # severity, code, element, message; surface, (k,) faces of it, (k, 2, 3) edges, (k, 3) points
 _FindingTuple = tuple[Any, str, str, str, int | None, _Indices, _Floats, _Floats]
-# name, vertices, faces, material, reflectance, emission, two-sided
+# image and (n_vertices, 2) texture coordinates
+_Texture = tuple[Raster, _Floats] | None
 # name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance, diffuse
-# transmittance or nothing
-_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float, list[float]]
-_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float, list[float]]
+# transmittance or nothing; texture
+_SurfaceIn = tuple[
+    str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float, list[float], _Texture
+]
+_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float, list[float], _Texture]
 
 class SceneError(ValueError):
     """A scene that cannot be read, meshed or lit."""
 
 class ResourceError(RuntimeError):
     """The work does not fit the limits given."""
+
+@final
+class Raster:
+    @staticmethod
+    def of_bytes(image: npt.NDArray[np.uint8], wrap: tuple[str, str]) -> Raster: ...
+    @staticmethod
+    def of_values(image: _Pixels, wrap: tuple[str, str]) -> Raster: ...
+    def with_wrap(self, wrap: tuple[str, str]) -> Raster: ...
+    def values(self) -> _Pixels: ...
+    @property
+    def shape(self) -> tuple[int, int, int]: ...
+    @property
+    def wrap(self) -> tuple[Any, Any]: ...
+    @property
+    def memory_bytes(self) -> int: ...
+
+@final
+class Textures:
+    def __new__(cls, scene: Scene, patches: Patches) -> Textures: ...
+    def __len__(self) -> int: ...
+    def picked(self, which: _Indices, keep: npt.NDArray[np.bool_]) -> Textures: ...
+    def with_means(self, patches: Patches, values: _Floats) -> _Floats: ...
 
 @final
 class Scene:
@@ -372,11 +397,12 @@ def render(
     scale: float,
     smooth: bool,
     irradiance: _Floats | None = None,
-    reflectance: list[list[float]] | None = None,
+    reflectance: _Floats | None = None,
     going_on: _Floats | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
-    diffuse_transmittance: list[list[float]] | None = None,
+    diffuse_transmittance: _Floats | None = None,
+    textures: Textures | None = None,
 ) -> _Pixels: ...
 def write_png(path: str, image: _Pixels, exposure: float | None = None, curve: str = "filmic") -> None: ...
 def write_false_colours(
@@ -402,6 +428,7 @@ def gather(
     threads: int | None = None,
     progress: _Progress | None = None,
     diffuse_transmittance: _Floats | None = None,
+    textures: Textures | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...
 def path_trace(
     patches: Patches,
@@ -419,6 +446,7 @@ def path_trace(
     threads: int | None = None,
     progress: _Progress | None = None,
     diffuse_transmittance: _Floats | None = None,
+    textures: Textures | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...
 
 # irradiance and its standard error, samples, relative error, rays
@@ -435,4 +463,5 @@ def path_irradiance(
     threads: int | None = None,
     progress: _Progress | None = None,
     diffuse_transmittance: _Floats | None = None,
+    textures: Textures | None = None,
 ) -> tuple[_Floats, _Floats, int, float, int]: ...

@@ -44,9 +44,9 @@ OPTICS = frozenset({
     "high-reflectance", "ignored-extensions", "lamp-without-area",
     "light-intensity", "light-placement", "light-range", "lit-model",
     "metallic-material", "missing-library", "no-bands", "no-diffuse-colour", "no-light", "no-material",
-    "reflectance-limited", "reflectance-range", "spectrum-length",
-    "translucent-one-sided", "translucent-range", "translucent-sum", "transparent-material", "unknown-material",
-    "unreadable-texture",
+    "no-texture-coordinates", "reflectance-limited", "reflectance-range", "spectrum-length", "texture",
+    "texture-averaged", "texture-limited", "translucent-one-sided", "translucent-range", "translucent-sum",
+    "transparent-material", "unknown-material", "unreadable-texture",
 })  # fmt: skip
 """Codes of findings about paint, lamps and cameras, on which form factors do not depend."""
 

@@ -40,10 +40,10 @@ def describe(patches: Patches, method: str, tolerance: float | None) -> str:
     surfaces = [
         {
             "name": surface.name,
-            "reflectance": np.broadcast_to(np.asarray(surface.reflectance, float), bands).tolist(),
+            "reflectance": reflectance,
             "emission": np.broadcast_to(np.asarray(surface.emission, float), bands).tolist(),
         }
-        for surface in scene.surfaces
+        for surface, reflectance in zip(scene.surfaces, patches._mean_reflectance(), strict=True)
     ]
     combined = [[int(part), int(whole)] for part, whole in scene.combined.items()]
     return json.dumps(

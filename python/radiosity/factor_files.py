@@ -108,7 +108,7 @@ def scene_of(arrays: Arrays) -> Scene:
         Surface(
             arrays["polygons"][of].reshape(-1, 3),
             _faces(arrays["polygons"][of]),
-            arrays["reflectance"][of][0] if np.any(of) else 0.5,
+            _paint(arrays["reflectance"][of]),
             arrays["emission"][of][0] if np.any(of) else 0.0,
             str(name),
             two_sided=bool(np.any(arrays["two_sided"][of])),
@@ -120,6 +120,14 @@ def scene_of(arrays: Arrays) -> Scene:
     bands = [str(band) for band in arrays["bands"]]
     combined = {int(part): int(whole) for part, whole in arrays.get("combined", [])}
     return Scene(surfaces, bands=bands, obstructions=obstructions, name="form factors", combined=combined)
+
+
+def _paint(reflectance: npt.NDArray[Any]) -> npt.ArrayLike:
+    """(bands,) of a surface from (k, bands) of its patches: the mean where textures make them differ."""
+    if not len(reflectance):
+        return 0.5
+    is_one = bool(np.all(reflectance == reflectance[0]))
+    return np.asarray(reflectance[0] if is_one else reflectance.mean(axis=0))
 
 
 def _faces(polygons: npt.NDArray[Any]) -> npt.NDArray[np.int64]:

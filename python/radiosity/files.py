@@ -43,6 +43,8 @@ class LitModel:
         lights: those without area, as the engine takes them: kind, name, position, direction, inner and outer angle,
             strength per band; None if a file of an earlier version does not say.
         report: the report of the solve as a dictionary.
+        reflectance: (n, bands) diffuse reflectance of the patches; None if all of a surface have that of the surface.
+        textures: those of the patches; a file does not keep them.
     """
 
     patches: _native.Patches
@@ -55,6 +57,8 @@ class LitModel:
     cameras: list[Camera]
     lights: list[_native.LightTuple] | None
     report: dict[str, Any]
+    reflectance: Floats | None = None
+    textures: _native.Textures | None = None
 
     @classmethod
     def of(cls, solution: Solution) -> LitModel:
@@ -66,7 +70,9 @@ class LitModel:
 
     @property
     def _reflectance(self) -> Floats:
-        """(n, bands) diffuse reflectance of the patches, as their surfaces have it."""
+        """(n, bands) diffuse reflectance of the patches."""
+        if self.reflectance is not None:
+            return np.ascontiguousarray(self.reflectance)
         paint = np.array([reflectance for _, _, reflectance, *_ in self.surfaces], dtype=np.float64)
         return paint.reshape(-1, len(self.bands))[self.patches.surface]
 
@@ -121,6 +127,8 @@ class LitModel:
             emission=emission,
             irradiance=irradiance,
             radiosity=emission + reflectance * irradiance + passed,
+            reflectance=reflectance,
+            textures=None,
         )
 
     def _native_fields(self) -> tuple[Any, ...]:
@@ -161,7 +169,10 @@ def _light_of(solution: Solution, back: npt.NDArray[np.intp]) -> dict[str, Any]:
         (*light._tuple(len(scene.bands))[:-1], strength)
         for light, strength in zip(scene.lights, solution.lights.tolist(), strict=True)
     ]
+    sides = np.concatenate([np.arange(len(solution.patches)), back])
     return {
+        "reflectance": solution.reflectance[sides],
+        "textures": solution.patches._textures_in(solution.reflectance, sides),
         "lights": lights,
         "surfaces": surfaces,
         "emission": np.concatenate([solution.emission, solution.emission[back]]),
@@ -209,7 +220,21 @@ def load_lit(path: PathLike) -> LitModel | None:
     emission, irradiance, radiosity, error = blocks
     views = [Camera._from_tuple(camera) for camera in cameras]
     told = json.loads(report) if report else {}
-    return LitModel(patches, surfaces, bands, emission, irradiance, radiosity, error, views, lights, told)
+    model = LitModel(patches, surfaces, bands, emission, irradiance, radiosity, error, views, lights, told)
+    return replace(model, reflectance=_told_by_light(model))
+
+
+def _told_by_light(model: LitModel) -> Floats:
+    """(n, bands) the reflectance of patches by B = E + rho H, where that is not the mean of their surface.
+
+    Textures and relighting make them differ. A file keeps the light in single precision.
+    """
+    paint, arrives = model._reflectance, model.irradiance
+    told = np.divide(model.radiosity - model.emission, arrives, out=paint.copy(), where=arrives > 0)
+    rounding = np.divide(1e-6 * model.radiosity, arrives, out=np.zeros_like(paint), where=arrives > 0)
+    most = 1.0 if model._going_on is None else 1 - model._going_on.sum(axis=1, keepdims=True)
+    differs = (np.abs(told - paint) > 1e-3 + rounding) & (told >= 0) & (told <= most)
+    return np.where(differs, told, paint)
 
 
 def save(solution: Solution, path: PathLike) -> None:

@@ -85,8 +85,33 @@ class Patches:
 
     @cached_property
     def reflectance(self) -> Floats:
-        """(n, bands) diffuse reflectance."""
-        return self._per_patch([s.reflectance for s in self.scene.surfaces])
+        """(n, bands) diffuse reflectance; where there is a texture, its mean over the patch."""
+        own = self._per_patch([s.reflectance for s in self.scene.surfaces])
+        return own if self._textures is None else self._textures.with_means(self._native, own)
+
+    @cached_property
+    def _textures(self) -> _native.Textures | None:
+        if all(s.texture is None for s in self.scene.surfaces):
+            return None
+        return _native.Textures(self.scene._native(), self._native)
+
+    def _textures_in(self, reflectance: Floats, which: npt.NDArray[np.intp] | None = None) -> _native.Textures | None:
+        """Those of (k,) patches, by default all; none where (n, bands) reflectance is of other paint."""
+        if self._textures is None:
+            return None
+        chosen = np.arange(len(self)) if which is None else which
+        shows: npt.NDArray[np.bool_] = np.all(reflectance == self.reflectance, axis=1)
+        return self._textures.picked(chosen.astype(np.uint32), shows[chosen])
+
+    def _mean_reflectance(self) -> list[list[float]]:
+        """Of each surface; of those with a texture, the mean over their patches by area."""
+        bands = len(self.scene.bands)
+        means = [np.broadcast_to(np.asarray(s.reflectance, dtype=float), (bands,)) for s in self.scene.surfaces]
+        for k in (k for k, s in enumerate(self.scene.surfaces) if s.texture is not None):
+            on = self.surface == k
+            if self.area[on].any():
+                means[k] = self.area[on] @ self.reflectance[on] / self.area[on].sum()
+        return [mean.tolist() for mean in means]
 
     @cached_property
     def emission(self) -> Floats:

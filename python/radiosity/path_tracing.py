@@ -102,10 +102,11 @@ def path_trace(
 ) -> PathTraced:
     """Render by path tracing, with standard errors (Kajiya 1986; lamps by area and by rays, Veach and Guibas 1995).
 
-    Unbiased: without patches, smoothing or a solution, so what is left is noise, and the errors say how much. Paths
-    follow mirrors and clear glass, and go on behind what lets light through diffusely. Lamps in mirrors are found by
-    rays alone, and small ones make noise; lights without area are looked for at their images, all of them unless
-    mirrors face one another, else as far as :func:`radiosity.solve` takes them, 64 reflections or 4096 images.
+    Unbiased: without patches, smoothing or a solution, so what is left is noise, and the errors say how much. Textures
+    count at every bounce. Paths follow mirrors and clear glass, and go on behind what lets light through diffusely.
+    Lamps in mirrors are found by rays alone, and small ones make noise; lights without area are looked for at their
+    images, all of them unless mirrors face one another, else as far as :func:`radiosity.solve` takes them, 64
+    reflections or 4096 images.
 
     Args:
         scene: a scene or patches, which need no solving; of a solution or lit model, its paints and lamps are taken.
@@ -132,6 +133,7 @@ def path_trace(
         optics.patches, optics.emission, optics.reflectance, optics.lights, camera._tuple(), width, height,
         samples_or_default(samples, accuracy), accuracy, "radiance" if show == "radiosity" else show,
         whole(seed, "seed", 0, 2**64 - 1), optics.going_on, threads_or_all(threads), progress, optics.through,
+        optics.textures,
     )  # fmt: skip
     return PathTraced(image, error, Effort(taken, rays, time.monotonic() - start, relative, accuracy))
 
@@ -176,7 +178,7 @@ def path_irradiance(
     value, error, taken, relative, rays = _native.path_irradiance(
         _native.Enclosure(optics.patches, threads_or_all(threads), *optics.parts), optics.emission, optics.reflectance,
         optics.lights, places, ways, samples_or_default(samples, accuracy), accuracy, whole(seed, "seed", 0, 2**64 - 1),
-        threads_or_all(threads), progress, optics.through,
+        threads_or_all(threads), progress, optics.through, optics.textures,
     )  # fmt: skip
     effort = Effort(taken, rays, time.monotonic() - start, relative, accuracy)
     if places is not None:
@@ -205,6 +207,7 @@ class _Optics(NamedTuple):
     lights: list[_native.LightTuple]
     cameras: list[Camera]
     through: Floats | None
+    textures: _native.Textures | None
 
     @property
     def parts(self) -> tuple[Floats | None, Floats | None]:
@@ -218,7 +221,8 @@ def _optics(scene: Source) -> _Optics:
     if isinstance(scene, LitModel):
         emitted, lamps = np.ascontiguousarray(scene.emission), scene.lights or []
         return _Optics(
-            scene.patches, emitted, scene._reflectance, scene._going_on, lamps, scene.cameras, scene._through
+            scene.patches, emitted, scene._reflectance, scene._going_on, lamps, scene.cameras, scene._through,
+            scene.textures,
         )  # fmt: skip
     if isinstance(scene, Solution):
         patches, whole_scene = scene.patches, scene.patches.scene
@@ -231,4 +235,5 @@ def _optics(scene: Source) -> _Optics:
         emission, reflectance, lights = patches.emission, patches.reflectance, _lamps(whole_scene)
     blocks = np.ascontiguousarray(emission), np.ascontiguousarray(reflectance)
     going_on = np.ascontiguousarray(patches._going_on) if patches.is_specular else None
-    return _Optics(patches._native, *blocks, going_on, lights, whole_scene.cameras, patches._through)
+    textures = patches._textures_in(reflectance)
+    return _Optics(patches._native, *blocks, going_on, lights, whole_scene.cameras, patches._through, textures)

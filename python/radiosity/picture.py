@@ -73,6 +73,8 @@ def render(
         threads, progress: as in :func:`radiosity.solve`.
         seed: of all but "smooth" and "patches": the same seed gives the same bytes.
 
+    Textures show in all modes but "patches". Relighting a surface with other paint covers its texture.
+
     Radiance is also seen in mirrors and through clear glass. "smooth" and "patches" follow both ways of every ray, by
     at most 64 mirrors and panes and while more than 1/4096 of it is left, and show black beyond; other modes
     draw a way. Other quantities are those of the mirror or pane itself.
@@ -121,9 +123,8 @@ def render(
         lit.patches, np.ascontiguousarray(values), camera._tuple(), width, height, rays,
         1 / math.pi if is_radiosity else 1.0, mode == "smooth",
         np.ascontiguousarray(lit.irradiance) if is_radiosity else None,
-        [reflectance for _, _, reflectance, *_ in lit.surfaces] if is_radiosity else None,
-        lit._going_on if is_radiosity else None, threads, progress,
-        [surface[6] for surface in lit.surfaces] if is_radiosity else None,
+        lit._reflectance if is_radiosity else None, lit._going_on if is_radiosity else None, threads, progress,
+        lit._through if is_radiosity else None, lit.textures if is_radiosity else None,
     )  # fmt: skip
 
 
@@ -145,16 +146,12 @@ def _gather(
     progress: Callable[[int, int], object] | None,
 ) -> Image:
     model = LitModel.of(lit) if isinstance(lit, Solution) else lit
-    paint = model._reflectance
-    if isinstance(lit, Solution):
-        # Relighting may have given each patch a paint of its own.
-        paint = np.concatenate([lit.reflectance, lit.reflectance[lit.patches.two_sided]])
-    blocks = [np.ascontiguousarray(b) for b in (model.emission, paint, model.irradiance, model.radiosity)]
+    blocks = [np.ascontiguousarray(b) for b in (model.emission, model._reflectance, model.irradiance, model.radiosity)]
     return _native.gather(
         model.patches, blocks[0], blocks[1], blocks[2], blocks[3], model.lights or [],
         (camera or default_camera(model))._tuple(), width, height,
         whole(samples, "samples", 1, 1 << 24), "radiance" if show == "radiosity" else show,
-        whole(seed, "seed", 0, 2**64 - 1), model._going_on, threads, progress, model._through,
+        whole(seed, "seed", 0, 2**64 - 1), model._going_on, threads, progress, model._through, model.textures,
     )[0]  # fmt: skip
 
 

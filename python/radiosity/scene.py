@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from radiosity import _native
 from radiosity._native import SceneError
+from radiosity.texture import Texture
 
 if TYPE_CHECKING:
     from radiosity.patches import Patches
@@ -80,6 +81,7 @@ class Surface:
             [0, 1], the same in all bands.
         diffuse_transmittance: what leaves the other side diffusely, as of paper and leaves and from either side, in
             [0, 1), a number or one per band. A surface that has any is two-sided.
+        texture: an image that multiplies ``reflectance``, with a place on it for each vertex.
     """
 
     vertices: npt.ArrayLike
@@ -92,6 +94,7 @@ class Surface:
     specular: npt.ArrayLike = 0.0
     transmittance: npt.ArrayLike = 0.0
     diffuse_transmittance: npt.ArrayLike = 0.0
+    texture: Texture | None = None
 
     def __post_init__(self) -> None:
         vertices, faces = np.asarray(self.vertices, dtype=np.float64), np.asarray(self.faces)
@@ -104,6 +107,11 @@ class Surface:
         self.vertices = np.ascontiguousarray(vertices if vertices.size else np.zeros((0, 3)))
         self.faces = np.ascontiguousarray(faces if faces.size else np.zeros((0, 3)), dtype=np.int64)
         self.two_sided = self.two_sided or bool(np.any(self.diffuse_transmittance))
+        if self.texture is not None and len(np.asarray(self.texture.uv)) != len(self.vertices):
+            raise SceneError(
+                f"surface '{self.name}': its texture has {len(np.asarray(self.texture.uv))} coordinates for "
+                f"{len(self.vertices)} vertices; give one pair each"
+            )
 
 
 @dataclass(eq=False)
@@ -274,7 +282,8 @@ class Scene:
         spectra = [s.reflectance for s in self.surfaces] + [s.emission for s in self.surfaces]
         spectra += [s.diffuse_transmittance for s in self.surfaces]
         spectra += [li.irradiance if isinstance(li, DirectionalLight) else li.intensity for li in self.lights]
-        return max((_bands_of(s) for s in spectra), default=1)
+        channels = [s.texture.channels for s in self.surfaces if s.texture is not None]
+        return max([*(_bands_of(s) for s in spectra), *channels], default=1)
 
     def __repr__(self) -> str:
         faces = sum(len(np.asarray(s.faces)) for s in self.surfaces)
@@ -300,12 +309,12 @@ class Scene:
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
              _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
              _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s),
-             self._through(s))
+             self._through(s), None if s.texture is None else s.texture._native())
             for s in self.surfaces
         ]  # fmt: skip
         obstructions: list[_native._SurfaceIn] = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
-             [0.0] * n, [0.0] * n, False, 0.0, 0.0, [])
+             [0.0] * n, [0.0] * n, False, 0.0, 0.0, [], None)
             for s in self.obstructions
         ]  # fmt: skip
         lights, cameras = [light._tuple(n) for light in self.lights], [camera._tuple() for camera in self.cameras]
@@ -377,9 +386,9 @@ class Scene:
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:
-    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through = fields
+    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through, texture = fields
     return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance,
-                   through or 0.0)  # fmt: skip
+                   through or 0.0, Texture._from_native(texture))  # fmt: skip
 
 
 def _trim(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]:

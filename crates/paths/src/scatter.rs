@@ -10,6 +10,7 @@ use radiosity_exchange::specular::{MOST_MEETINGS, Step};
 use radiosity_exchange::{Enclosure, Specular};
 use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_geometry::sampling::{Frame, cosine_hemisphere};
+use radiosity_geometry::texture::Values;
 
 /// Draws the direction that a path looks along next by two numbers in (0, 1), a unit vector.
 ///
@@ -97,39 +98,38 @@ impl Reflectance {
         &self.values
     }
 
-    /// Takes what a side absorbs out of a path; returns what is left in its best band, and whether the path goes on from
-    /// the other side: by a number in (0, 1), in proportion to what goes either way in the best band.
+    /// Takes what a side absorbs out of a path, by the texture where it has landed if there is one; returns what is left
+    /// in its best band, and whether the path goes on from the other side: by a number in (0, 1), in proportion to what
+    /// goes either way in the best band.
     #[inline]
-    pub fn filter(&self, side: u32, choice: f64, throughput: &mut [f32]) -> (f32, bool) {
-        let own = &self.values[side as usize * self.bands..][..self.bands];
-        let Some(through) = self.through.get(side as usize * self.bands..).filter(|tau| !tau.is_empty()) else {
-            return (filter(own, 1.0, throughput), false);
-        };
-        let through = &through[..self.bands];
-        let passing = best(through, throughput);
+    pub fn filter(&self, side: u32, texture: Option<Values>, choice: f64, throughput: &mut [f32]) -> (f32, bool) {
+        let of_side = |values: &[f32], band: usize| values[side as usize * self.bands + band];
+        let reflected = |band| texture.map_or_else(|| of_side(&self.values, band), |values| values.band(band));
+        let passed = |band| if self.through.is_empty() { 0.0 } else { of_side(&self.through, band) };
+        let passing = best(passed, throughput);
         if passing == 0.0 {
-            return (filter(own, 1.0, throughput), false);
+            return (filter(reflected, 1.0, throughput), false);
         }
-        let share = passing / (passing + best(own, throughput));
+        let share = passing / (passing + best(reflected, throughput));
         if choice < f64::from(share) {
-            (filter(through, share, throughput), true)
+            (filter(passed, share, throughput), true)
         } else {
-            (filter(own, 1.0 - share, throughput), false)
+            (filter(reflected, 1.0 - share, throughput), false)
         }
     }
 }
 
 /// What of a path is left in its best band.
 #[inline]
-fn best(part: &[f32], throughput: &[f32]) -> f32 {
-    throughput.iter().zip(part).fold(0.0, |most: f32, (left, part)| most.max(left * part))
+fn best(part: impl Fn(usize) -> f32, throughput: &[f32]) -> f32 {
+    throughput.iter().enumerate().fold(0.0, |most: f32, (band, left)| most.max(left * part(band)))
 }
 
 /// Leaves a part of a path, for those that the choice of this part, of such a probability, stands for.
 #[inline]
-fn filter(part: &[f32], probability: f32, throughput: &mut [f32]) -> f32 {
-    throughput.iter_mut().zip(part).fold(0.0, |most: f32, (left, part)| {
-        *left *= part / probability;
+fn filter(part: impl Fn(usize) -> f32, probability: f32, throughput: &mut [f32]) -> f32 {
+    throughput.iter_mut().enumerate().fold(0.0, |most: f32, (band, left)| {
+        *left *= part(band) / probability;
         most.max(*left)
     })
 }

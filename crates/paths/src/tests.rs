@@ -1,9 +1,12 @@
 //! Is it true: closed forms, the furnace, rates, and that nothing depends on threads.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use radiosity_exchange::kernels::point_to_polygon::point_to_polygon;
 use radiosity_exchange::{Enclosure, Luminaire};
 use radiosity_geometry::Patches;
+use radiosity_geometry::texture::{Raster, TexturedFaces, TexturedPatches};
 use radiosity_operator::{Cancelled, Control};
 
 use crate::{Effort, Exitance, Light, Measured, Tracer, at_points, of_sides};
@@ -60,6 +63,22 @@ fn a_furnace_has_its_closed_form() {
         let scores = z_scores(&measured, |_| truth, 1e-6);
         assert!(scores.iter().all(|z| z.abs() < 4.5), "{scores:?}");
     }
+}
+
+#[test]
+fn textures_stand_for_the_reflectance_of_their_sides_at_every_bounce() {
+    // All is said to be black, and an image on every face reflects a half: H = 1 / (1 - 1/2).
+    let enclosure = enclosure(&room(1), false);
+    let patches = enclosure.patches();
+    let image = Arc::new(Raster::of_values([2, 2], 1, vec![0.5; 4]));
+    let faces = patches.polygons.iter().map(|&polygon| {
+        let face = [(polygon, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])];
+        Some(Arc::new(TexturedFaces::new(Arc::clone(&image), face, &[1.0])))
+    });
+    let textures = TexturedPatches::new(patches, &faces.collect::<Vec<_>>());
+    let tracer = paths(&enclosure, vec![1.0; 6], 0.0, vec![]).with_textures(Some(textures));
+    let at = at(&tracer, DVec3::new(0.5, 0.5, 1e-3), DVec3::Z, 1024);
+    assert_within(at, 2.0);
 }
 
 fn z_scores(measured: &Measured, truth: impl Fn(usize) -> f64, rounding: f64) -> Vec<f64> {

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use radiosity_exchange::Enclosure;
+use radiosity_geometry::texture::{TexturedPatches, Values};
 
 use crate::exitance::Exitance;
 use crate::lamps::Lamps;
@@ -18,6 +19,8 @@ pub struct Tracer<'a> {
     /// None in a gather.
     pub(crate) reflectance: Option<Reflectance>,
     pub(crate) seed: u64,
+    /// Of sides; none where there are none.
+    textures: Option<TexturedPatches>,
 }
 
 /// Where a path begins, and what its random numbers are keyed by.
@@ -95,7 +98,32 @@ impl<'a> Tracer<'a> {
         assert_eq!(count, enclosure.sides() * each * bands, "values fit the sides and bands");
         assert!(lights.iter().all(|light| light.strength.len() == bands), "one strength per band");
         let lamps = Lamps::new(enclosure, &exitance, bands);
-        Self { enclosure, bands, exitance, lamps, lights: Lights::new(enclosure, lights), reflectance, seed }
+        Self {
+            enclosure,
+            bands,
+            exitance,
+            lamps,
+            lights: Lights::new(enclosure, lights),
+            reflectance,
+            seed,
+            textures: None,
+        }
+    }
+
+    /// The same where some sides have textures, which stand for their reflectance: of paths at every bounce, and of what is
+    /// seen of them.
+    ///
+    /// # Panics
+    /// If they do not fit the sides.
+    pub fn with_textures(self, textures: Option<TexturedPatches>) -> Self {
+        assert!(textures.as_ref().is_none_or(|of| of.len() == self.enclosure.sides()), "textures fit the sides");
+        Self { textures: textures.filter(TexturedPatches::any), ..self }
+    }
+
+    /// The texture at a point of a side, if it has one.
+    #[inline]
+    pub fn texture_at(&self, side: usize, point: DVec3) -> Option<Values<'_>> {
+        self.textures.as_ref()?.at(side, point)
     }
 
     /// The number of bands.

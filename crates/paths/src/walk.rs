@@ -238,11 +238,13 @@ impl Walk {
             };
             tracer.exitance.add(enclosure, on, weight, throughput, &mut irradiance[of_path]);
             let Some(reflectance) = &tracer.reflectance else { continue };
-            let (left, passes) = reflectance.filter(side, *through, throughput);
+            let point = enclosure.point_off(side as usize, s, t);
+            let texture = tracer.texture_at(side as usize, point);
+            let (left, passes) = reflectance.filter(side, texture, *through, throughput);
             if left > 0.0 && (step < SPARED || survives(left, *roulette, throughput)) {
                 let across = || enclosure.opposite(side as usize).expect("what light passes through has two sides");
                 let side = if passes { across() } else { side as usize };
-                let point = enclosure.point_off(side, s, t);
+                let point = if passes { enclosure.point_off(side, s, t) } else { point };
                 self.next.push(Vertex { point, normal: enclosure.normal(side), path: vertex.path });
             }
         }

@@ -5,13 +5,15 @@ use std::f64::consts::FRAC_1_PI;
 use glam::DVec3;
 use radiosity_exchange::Enclosure;
 use radiosity_geometry::bvh::{Hit, Ray};
+use radiosity_paths::Tracer;
 use radiosity_scene::Camera;
 
 use crate::beyond::{Beyond, Shown};
 use crate::render::side_of;
 use crate::view::{Frame, Visible};
 
-/// What surfaces show of what arrives: sides x bands each.
+/// What surfaces show of what arrives: sides x bands each. Textures, which the tracer knows, stand for the reflectance of
+/// the sides that have them.
 #[derive(Clone, Copy, Debug)]
 pub enum Surfaces<'a> {
     /// Radiance, W/(m2 sr).
@@ -29,6 +31,7 @@ pub enum Surfaces<'a> {
 
 /// A camera before a scene.
 pub(crate) struct Eye<'a> {
+    tracer: &'a Tracer<'a>,
     enclosure: &'a Enclosure,
     bands: usize,
     surfaces: Surfaces<'a>,
@@ -59,13 +62,13 @@ impl<'a> Eye<'a> {
     /// # Panics
     /// If `surfaces` do not fit the sides and bands.
     pub fn new(
-        enclosure: &'a Enclosure,
-        bands: usize,
+        tracer: &'a Tracer<'a>,
         surfaces: Surfaces<'a>,
         camera: &Camera,
         (width, height): (usize, usize),
         culls_backs: bool,
     ) -> Self {
+        let (enclosure, bands) = (tracer.enclosure(), tracer.bands());
         if let Surfaces::Radiance { emission, reflectance, transmittance } = surfaces {
             let count = enclosure.sides() * bands;
             assert_eq!((emission.len(), reflectance.len()), (count, count), "values fit the sides and bands");
@@ -74,6 +77,7 @@ impl<'a> Eye<'a> {
         let beyond = enclosure.specular().map(|specular| Beyond { enclosure, specular, culls_backs });
         let is_glass = |patch: usize| beyond.is_some_and(|beyond| beyond.specular.transmittance(patch) > 0.0);
         Self {
+            tracer,
             enclosure,
             bands,
             surfaces,
@@ -149,15 +153,19 @@ impl<'a> Eye<'a> {
 
     /// What a point shows of a unit of irradiance there, per band.
     pub fn shares(&self, point: &Point) -> impl Iterator<Item = f32> {
-        let (scale, values) = match self.surfaces {
-            Surfaces::Radiance { reflectance, transmittance, .. } => {
-                // Of both sides of a patch the same passes.
-                let values = if point.is_across { transmittance } else { reflectance };
-                (point.weight * FRAC_1_PI as f32, self.of_side(values, point.side))
+        let (scale, values, texture) = match self.surfaces {
+            Surfaces::Irradiance => (point.weight, &[][..], None),
+            // Of both sides of a patch the same passes.
+            Surfaces::Radiance { transmittance, .. } if point.is_across => {
+                (point.weight * FRAC_1_PI as f32, self.of_side(transmittance, point.side), None)
             }
-            Surfaces::Irradiance => (point.weight, &[][..]),
+            Surfaces::Radiance { reflectance, .. } => {
+                let texture = self.tracer.texture_at(point.side as usize, point.at);
+                (point.weight * FRAC_1_PI as f32, self.of_side(reflectance, point.side), texture)
+            }
         };
-        (0..self.bands).map(move |band| values.get(band).map_or(scale, |rho| scale * rho))
+        let own = move |band: usize| values.get(band).copied().unwrap_or(1.0);
+        (0..self.bands).map(move |band| scale * texture.map_or_else(|| own(band), |texture| texture.band(band)))
     }
 
     /// Whether a point shows anything of what arrives there.

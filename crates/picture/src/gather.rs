@@ -124,7 +124,7 @@ pub fn gather(
     if image.pixels.is_empty() {
         return Ok(Gathered { image, noise: 0.0, rays: 0 });
     }
-    let eye = Eye::new(tracer.enclosure(), bands, surfaces, camera, (width, height), settings.culls_backs);
+    let eye = Eye::new(tracer, surfaces, camera, (width, height), settings.culls_backs);
     let gather = Gather { tracer, eye, fields, width, height, samples: settings.samples.max(2) };
     control.expect(height as u64);
     let (mut strips, mut noise, mut rays) = (VecDeque::new(), Noise::default(), 0);

@@ -121,6 +121,12 @@ impl<'a> Smoother<'a> {
     }
 }
 
+/// E = B - rho H, never negative; all by patch and band.
+pub fn emission_of(radiosity: &[f64], irradiance: &[f64], reflectance: &[f64]) -> Vec<f64> {
+    let reflected = irradiance.iter().zip(reflectance).map(|(h, rho)| h * rho);
+    radiosity.iter().zip(reflected).map(|(b, reflected)| (b - reflected).max(0.0)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use radiosity_geometry::corners::CREASE_ANGLE;

@@ -2,9 +2,11 @@
 
 use std::f64::consts::FRAC_1_PI;
 
+use glam::DVec3;
 use radiosity_exchange::Enclosure;
 use radiosity_geometry::Patches;
 use radiosity_geometry::bvh::{Hit, Ray};
+use radiosity_geometry::texture::TexturedPatches;
 use radiosity_operator::{Cancelled, Control};
 use radiosity_scene::Camera;
 use rayon::prelude::*;
@@ -20,6 +22,21 @@ pub enum Shading<'a> {
     Patches(&'a [f64]),
     /// What its four corners have, interpolated: `n_patches x 4 x bands`, see [`Smoother`](crate::Smoother).
     Smooth(&'a [f64]),
+    /// The same of radiosity, with textures on some patches.
+    Textured(Textured<'a>),
+}
+
+/// Radiosity of which a part shows what textures reflect: E + rho(x) H(x) where there is one.
+#[derive(Clone, Copy, Debug)]
+pub struct Textured<'a> {
+    /// Radiosity at corners: `n_patches x 4 x bands`.
+    pub radiosity: &'a [f64],
+    /// Irradiance at corners: `n_patches x 4 x bands`.
+    pub irradiance: &'a [f64],
+    /// Of patches: `n_patches x bands`.
+    pub emission: &'a [f64],
+    /// Of patches.
+    pub textures: &'a TexturedPatches,
 }
 
 /// What patches reflect as plane mirrors do and let straight through, one part each of what meets every patch.
@@ -77,7 +94,8 @@ pub fn render(
         if hit.is_miss() {
             settings.add_background(1.0, sum);
         } else if let Some(facet) = visible.facet(hit) {
-            shading.add(facet.patch as usize, facet.corner_weights(hit), settings.scale, sum);
+            let place = (facet.patch as usize, facet.point(patches, hit));
+            shading.add(place, facet.corner_weights(hit), settings.scale, sum);
         }
     };
     View::new(&visible, bands, camera, settings, add).picture(control)
@@ -103,15 +121,8 @@ pub fn render_with_mirrors(
 ) -> Result<Image, Cancelled> {
     shading.check(patches, bands);
     let sheets = Sheets::new(patches);
-    let of_sides = match shading {
-        Shading::Patches(values) => sheets.of_sides(values, bands),
-        Shading::Smooth(values) => sheets.corners_of_sides(patches, values, bands),
-    };
-    let values: Vec<f64> = of_sides.iter().map(|&v| f64::from(v)).collect();
-    let of_sides = match shading {
-        Shading::Patches(_) => Shading::Patches(&values),
-        Shading::Smooth(_) => Shading::Smooth(&values),
-    };
+    let of_sides = OfSides::new(&shading, &sheets, patches, bands);
+    let of_sides = of_sides.shading();
     let (specular, transmittance) = (sheets.of_patches(mirrors.specular), sheets.of_patches(mirrors.transmittance));
     let enclosure = Enclosure::new(sheets.patches).with_specular(specular, transmittance);
     let Some(specular) = enclosure.specular() else {
@@ -125,14 +136,15 @@ pub fn render_with_mirrors(
             return settings.add_background(1.0, sum);
         }
         let Some(facet) = visible.facet(hit) else { return };
-        let patch = facet.patch as usize;
+        let (patch, on) = (facet.patch as usize, facet.point(enclosure.patches(), hit));
         if let Some(side) = side_of(&enclosure, &facet) {
-            of_sides.add(side, facet.corner_weights(hit), settings.scale, sum);
+            of_sides.add((side, on), facet.corner_weights(hit), settings.scale, sum);
         }
         if beyond.is_of(patch) {
-            let on = facet.point(enclosure.patches(), hit);
             beyond.all(patch, on, ray.direction, |weight, shown| match shown {
-                Shown::Side { side, corners, .. } => of_sides.add(side, corners, weight * settings.scale, sum),
+                Shown::Side { side, corners, point } => {
+                    of_sides.add((side, point), corners, weight * settings.scale, sum);
+                }
                 Shown::Nothing => settings.add_background(weight, sum),
             });
         }
@@ -146,30 +158,82 @@ pub(crate) fn side_of(enclosure: &Enclosure, facet: &Facet) -> Option<usize> {
     if facet.is_back { enclosure.back_of(patch) } else { Some(patch) }
 }
 
-impl Shading<'_> {
-    fn check(&self, patches: &Patches, bands: usize) {
-        let (values, per_patch) = match self {
-            Self::Patches(values) => (values, 1),
-            Self::Smooth(values) => (values, 4),
-        };
-        assert_eq!(values.len(), patches.len() * per_patch * bands, "values fit the patches");
+/// Values of patches as those of sides.
+struct OfSides {
+    values: Vec<f64>,
+    is_smooth: bool,
+    /// Irradiance at corners, emission and textures.
+    textured: Option<(Vec<f64>, Vec<f64>, TexturedPatches)>,
+}
+
+impl OfSides {
+    fn new(shading: &Shading, sheets: &Sheets, patches: &Patches, bands: usize) -> Self {
+        let double = |values: Vec<f32>| values.into_iter().map(f64::from).collect();
+        let corners = |values| double(sheets.corners_of_sides(patches, values, bands));
+        let plain = |values| double(sheets.of_sides(values, bands));
+        match *shading {
+            Shading::Patches(values) => Self { values: plain(values), is_smooth: false, textured: None },
+            Shading::Smooth(values) => Self { values: corners(values), is_smooth: true, textured: None },
+            Shading::Textured(Textured { radiosity, irradiance, emission, textures }) => {
+                let textured = (corners(irradiance), plain(emission), textures.picked(&sheets.patch_of_side));
+                Self { values: corners(radiosity), is_smooth: true, textured: Some(textured) }
+            }
+        }
     }
 
-    /// Adds `weight` times the value at a place, the `index`-th patch or side of those that there are values of.
-    fn add(&self, index: usize, corner_weights: [f64; 4], weight: f64, sum: &mut [f64]) {
+    fn shading(&self) -> Shading<'_> {
+        match &self.textured {
+            Some((irradiance, emission, textures)) => {
+                Shading::Textured(Textured { radiosity: &self.values, irradiance, emission, textures })
+            }
+            None if self.is_smooth => Shading::Smooth(&self.values),
+            None => Shading::Patches(&self.values),
+        }
+    }
+}
+
+impl Shading<'_> {
+    fn check(&self, patches: &Patches, bands: usize) {
+        let count = patches.len() * bands;
+        match self {
+            Self::Patches(values) => assert_eq!(values.len(), count, "values fit the patches"),
+            Self::Smooth(values) => assert_eq!(values.len(), 4 * count, "values fit the patches"),
+            Self::Textured(Textured { radiosity, irradiance, emission, textures }) => {
+                let lengths = [radiosity.len(), irradiance.len(), 4 * emission.len()];
+                assert_eq!(lengths, [4 * count; 3], "values fit the patches");
+                assert_eq!(textures.len(), patches.len(), "textures fit the patches");
+            }
+        }
+    }
+
+    /// Adds `weight` times the value at a place: a point of the `index`-th patch or side of those that there are values of.
+    fn add(&self, (index, point): (usize, DVec3), corner_weights: [f64; 4], weight: f64, sum: &mut [f64]) {
         let bands = sum.len();
         match self {
             Self::Patches(values) => {
                 sum.iter_mut().zip(&values[index * bands..]).for_each(|(sum, v)| *sum += weight * v);
             }
-            Self::Smooth(values) => {
-                let corners = &values[4 * index * bands..];
-                for (k, share) in corner_weights.into_iter().enumerate() {
-                    let corner = &corners[k * bands..][..bands];
-                    sum.iter_mut().zip(corner).for_each(|(sum, v)| *sum += weight * share * v);
+            Self::Smooth(values) => add_smooth(&values[4 * index * bands..], corner_weights, weight, sum),
+            Self::Textured(Textured { radiosity, irradiance, emission, textures }) => {
+                let Some(reflectance) = textures.at(index, point) else {
+                    return add_smooth(&radiosity[4 * index * bands..], corner_weights, weight, sum);
+                };
+                for (band, sum) in sum.iter_mut().enumerate() {
+                    let corner = |k: usize| corner_weights[k] * irradiance[(4 * index + k) * bands + band];
+                    let reflected = f64::from(reflectance.band(band)) * (0..4).map(corner).sum::<f64>();
+                    *sum += weight * (emission[index * bands + band] + reflected);
                 }
             }
         }
+    }
+}
+
+/// Adds `weight` times what is between four corners.
+fn add_smooth(corners: &[f64], corner_weights: [f64; 4], weight: f64, sum: &mut [f64]) {
+    let bands = sum.len();
+    for (k, share) in corner_weights.into_iter().enumerate() {
+        let corner = &corners[k * bands..][..bands];
+        sum.iter_mut().zip(corner).for_each(|(sum, v)| *sum += weight * share * v);
     }
 }
 
@@ -245,20 +309,27 @@ impl<'a, Add: Fn(&Ray, &Hit, &mut [f64]) + Sync> View<'a, Add> {
     }
 }
 
-/// Evenly spread points of a pixel, the same for all pixels so that edges are clean; one is the centre.
+/// Evenly spread points of a pixel, the same for all pixels so that edges are clean: pairs on either side of the centre,
+/// so that it is their mean, which is one of them if they are odd in number.
 ///
 /// Roberts 2018, *The unreasonable effectiveness of quasirandom sequences*: multiples of the powers of the plastic
 /// number.
 pub(crate) fn offsets(n: usize) -> Vec<[f64; 2]> {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-    (0..n.max(1)).map(|i| STEPS.map(|step| (0.5 + step * i as f64).fract())).collect()
+    let (n, first) = (n.max(1), 1 - n.max(1) % 2);
+    let of = |i: usize| {
+        let point = STEPS.map(|step| (0.5 + step * i.div_ceil(2) as f64).fract());
+        if i % 2 == 1 { point } else { point.map(|x| 1.0 - x) }
+    };
+    (first..first + n).map(of).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use std::f64::consts::PI;
+    use std::sync::Arc;
 
-    use glam::DVec3;
+    use radiosity_geometry::texture::{Raster, TexturedFaces};
 
     use super::*;
     use crate::Smoother;
@@ -270,6 +341,19 @@ mod tests {
 
     fn shot(patches: &Patches, shading: Shading, eye: DVec3, settings: &RenderSettings) -> Image {
         render(patches, shading, 1, &camera(eye, 0.5), settings, &Control::default()).unwrap()
+    }
+
+    #[test]
+    fn the_points_of_a_pixel_lie_about_its_centre() {
+        for n in [1, 2, 15, 16, 128] {
+            let points = offsets(n);
+            let mean = points.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]).map(|s| s / n as f64);
+            assert!(mean.iter().all(|m| (m - 0.5).abs() < 1e-12), "{n}: {mean:?}");
+            assert_eq!((points.len(), points.contains(&[0.5; 2])), (n, n % 2 == 1));
+            // Spread evenly: of either half of the pixel about half.
+            let left = points.iter().filter(|p| p[0] < 0.5).count();
+            assert!(2 * left.abs_diff(n / 2) <= 2, "{n}: {left}");
+        }
     }
 
     #[test]
@@ -298,6 +382,41 @@ mod tests {
                 let at = |i: usize| 2.0 * 0.4f64.tan() * ((i as f64 + 0.5) / 31.0 - 0.5);
                 let expected = 1.0 + (0.5 + at(x)) + 2.0 * (0.5 - at(y));
                 assert!((f64::from(image.at(x, y)[0]) - expected).abs() < 1e-5, "pixel {x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn textures_show_what_they_reflect_of_what_arrives() {
+        // One patch of two has an image on it, black on its left and white on its right half; E = 1 and H = 1 + x.
+        let mut patches = sheet(2, 1);
+        patches.surface = vec![0, 1];
+        let image = Raster::of_values([256, 1], 1, (0..256).map(|x| if x < 128 { 0.0 } else { 1.0 }).collect());
+        let face = [(patches.polygons[1], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])];
+        let faces = TexturedFaces::new(Arc::new(image), face, &[0.5]);
+        patches.face = vec![0, 0];
+        let textures = TexturedPatches::new(&patches, &[None, Some(Arc::new(faces))]);
+        let irradiance: Vec<f64> = patches.polygons.iter().flatten().map(|p| 1.0 + p.x).collect();
+        let (radiosity, emission) = ([3.0; 8], [1.0; 2]);
+        let shading = Shading::Textured(Textured {
+            radiosity: &radiosity,
+            irradiance: &irradiance,
+            emission: &emission,
+            textures: &textures,
+        });
+        let eye = Camera { forward: DVec3::NEG_Z, up: DVec3::Y, ..camera(DVec3::new(0.5, 0.5, 1.0), 0.8) };
+        let settings = RenderSettings { samples: 1, ..settings(32, 32) };
+        let mirrors = Mirrors { specular: &[0.0, 0.5], transmittance: &[0.0; 2] };
+        let plain = render(&patches, shading, 1, &eye, &settings, &Control::default()).unwrap();
+        let mirrored =
+            render_with_mirrors(&patches, mirrors, shading, 1, &eye, &settings, &Control::default()).unwrap();
+        for image in [plain, mirrored] {
+            for column in [1, 8, 14, 17, 22, 30] {
+                let x = 0.5 + 2.0 * 0.4f64.tan() * ((column as f64 + 0.5) / 32.0 - 0.5);
+                let rho = if x > 0.75 { 0.5 } else { 0.0 };
+                let expected = if x < 0.5 { 3.0 } else { 1.0 + rho * (1.0 + x) };
+                let found = f64::from(image.at(column, 16)[0]);
+                assert!((found - expected).abs() < 1e-5, "column {column}: {found}, not {expected}");
             }
         }
     }

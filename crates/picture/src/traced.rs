@@ -56,7 +56,7 @@ pub fn trace(
     control: &Control,
 ) -> Result<Traced, Cancelled> {
     let (width, height, bands) = (settings.width, settings.height, tracer.bands());
-    let eye = Eye::new(tracer.enclosure(), bands, surfaces, camera, (width, height), settings.culls_backs);
+    let eye = Eye::new(tracer, surfaces, camera, (width, height), settings.culls_backs);
     let film = Film { tracer, eye, width, each: settings.effort.per_round };
     let mut tiles = if bands == 0 { Vec::new() } else { tiles(width, height, bands) };
     let rounds = radiosity_paths::rounds(&settings.effort, tiles.len() as u64, control, |round| {

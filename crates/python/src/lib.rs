@@ -13,6 +13,7 @@ mod scene;
 mod shooting;
 mod solution;
 mod teaching;
+mod textures;
 mod watch;
 
 use pyo3::prelude::*;
@@ -47,6 +48,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(teaching::delta_form_factors, module)?)?;
     paths::register(module)?;
     picture::register(module)?;
+    textures::register(module)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     Ok(())
 }

@@ -4,6 +4,7 @@ use crate::patches::{Enclosure, Patches};
 use crate::picture::image_out;
 use crate::scene::{CameraTuple, LightTuple, camera_in};
 use crate::solution::lamp_in;
+use crate::textures::{Textures, textures_in};
 use crate::{convert, watch};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
@@ -115,7 +116,7 @@ type GatheredOut<'py> = (Bound<'py, PyArray3<f32>>, f64, u64);
 /// their own.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, irradiance, radiosity, lights, camera, width, height, samples, show,
-                    seed, going_on=None, threads=None, progress=None, diffuse_transmittance=None))]
+                    seed, going_on=None, threads=None, progress=None, diffuse_transmittance=None, textures=None))]
 fn gather<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -134,6 +135,7 @@ fn gather<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
     diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
+    textures: Option<PyRef<'py, Textures>>,
 ) -> PyResult<GatheredOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -144,6 +146,7 @@ fn gather<'py>(
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
     let through = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
     check_whole(&reflectance, &through, bands, going_on.as_ref())?;
+    let textures = textures_in(textures, n)?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     shown(show, &[], &[], &[])?;
     let settings = GatherSettings { width, height, samples, culls_backs: true };
@@ -154,8 +157,9 @@ fn gather<'py>(
         let exitance = Exitance::Corners(sheets.corners_of_sides(&given, &corners, bands));
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
         let through = passing(&sheets, &through, bands);
+        let textures = textures.map(|textures| textures.picked(&sheets.patch_of_side));
         let enclosure = enclosure_of(&sheets, going_on.as_ref());
-        let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed);
+        let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed).with_textures(textures);
         let rays = width * height * samples as usize;
         let parts = radiosity_picture::direct_and_rest(&tracer, &sheets.patch_of_side, &irradiance, rays, control)?;
         let at_corners = |part: &Vec<f64>| sheets.corners_of_sides(&given, &smoother.corner_values(part, bands), bands);
@@ -172,7 +176,7 @@ fn gather<'py>(
 /// the most.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, lights, camera, width, height, samples, accuracy, show, seed,
-                    going_on=None, threads=None, progress=None, diffuse_transmittance=None))]
+                    going_on=None, threads=None, progress=None, diffuse_transmittance=None, textures=None))]
 fn path_trace<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -190,6 +194,7 @@ fn path_trace<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
     diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
+    textures: Option<PyRef<'py, Textures>>,
 ) -> PyResult<TracedOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -198,6 +203,7 @@ fn path_trace<'py>(
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
     let through = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
     check_whole(&reflectance, &through, bands, going_on.as_ref())?;
+    let textures = textures_in(textures, n)?;
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     let effort = effort_in(samples, accuracy)?;
     shown(show, &[], &[], &[])?;
@@ -206,9 +212,11 @@ fn path_trace<'py>(
         let sheets = Sheets::new(&given);
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
         let through = passing(&sheets, &through, bands);
+        let textures = textures.map(|textures| textures.picked(&sheets.patch_of_side));
         let enclosure = enclosure_of(&sheets, going_on.as_ref());
         let exitance = Exitance::Uniform(emission.clone());
         let tracer = Tracer::paths(&enclosure, bands, exitance, reflectance.clone(), lights, seed);
+        let tracer = tracer.with_textures(textures);
         let tracer = if through.is_empty() { tracer } else { tracer.with_diffuse_transmittance(through.clone()) };
         let surfaces = shown(show, &emission, &reflectance, &through).expect("it was checked above");
         radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
@@ -219,7 +227,7 @@ fn path_trace<'py>(
 /// Irradiance by path tracing at points, or the means of all sides, fronts before backs; blocks are (n_patches, bands).
 #[pyfunction]
 #[pyo3(signature = (enclosure, emission, reflectance, lights, points, normals, samples, accuracy, seed, threads=None,
-                    progress=None, diffuse_transmittance=None))]
+                    progress=None, diffuse_transmittance=None, textures=None))]
 fn path_irradiance<'py>(
     py: Python<'py>,
     enclosure: &Enclosure,
@@ -234,6 +242,7 @@ fn path_irradiance<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
     diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
+    textures: Option<PyRef<'py, Textures>>,
 ) -> PyResult<MeasuredOut<'py>> {
     let enclosure = enclosure.inner.clone();
     let (n, bands) = (enclosure.patches().len(), emission.as_array().ncols());
@@ -255,6 +264,7 @@ fn path_irradiance<'py>(
         )));
     }
     let lights = lights_in(lights, bands)?;
+    let textures = textures_in(textures, n)?;
     let effort = effort_in(samples, accuracy)?;
     let places = match (points, normals) {
         (None, None) => None,
@@ -269,7 +279,9 @@ fn path_irradiance<'py>(
     let measured = watch::run(py, threads, progress.as_ref(), |control| {
         let (emission, reflectance) =
             (of_sides(&enclosure, &emission, bands), of_sides(&enclosure, &reflectance, bands));
-        let tracer = Tracer::paths(&enclosure, bands, Exitance::Uniform(emission), reflectance, lights, seed);
+        let patches: Vec<u32> = (0..enclosure.sides()).map(|side| enclosure.patch_of(side) as u32).collect();
+        let tracer = Tracer::paths(&enclosure, bands, Exitance::Uniform(emission), reflectance, lights, seed)
+            .with_textures(textures.map(|textures| textures.picked(&patches)));
         let tracer = match through.is_empty() {
             true => tracer,
             false => tracer.with_diffuse_transmittance(of_sides(&enclosure, &through, bands)),

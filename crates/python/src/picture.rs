@@ -2,14 +2,16 @@
 
 use crate::patches::Patches;
 use crate::scene::{CameraTuple, LightTuple, camera_in, camera_out, light_in, light_out};
+use crate::textures::{Textures, textures_in};
 use crate::{convert, errors, watch};
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
+use radiosity_geometry::texture::TexturedPatches;
 use radiosity_picture::{
     ColourMap, ColourScale, Exposure, Image, LitModel, LitSurface, Mirrors, RenderSettings, Shading, Smoother,
-    ToneCurve, tone,
+    Textured, ToneCurve, tone,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -150,13 +152,13 @@ fn read_lit(py: Python<'_>, path: PathBuf) -> PyResult<Option<LitTuple<'_>>> {
 
 /// Renders values on patches as a camera sees them, (height, width, bands) float32.
 ///
-/// `irradiance` and `reflectance` (per surface) are given for radiosity, whose smooth shading keeps lamps and paints
-/// apart; other quantities are smoothed as they are. `going_on` is (n, 2), the mirror reflectance and transmittance of
-/// patches in which there is to be seen what is beyond. `diffuse_transmittance` (per surface) is what passes to the patch
-/// that is the back.
+/// `irradiance` and `reflectance` (n, bands) are given for radiosity, whose smooth shading keeps lamps and paints apart;
+/// other quantities are smoothed as they are. `going_on` is (n, 2), the mirror reflectance and transmittance of patches in
+/// which there is to be seen what is beyond. `diffuse_transmittance` (n, bands) is what passes to the patch that is the
+/// back. `textures` are shown by smooth shading of radiosity.
 #[pyfunction]
 #[pyo3(signature = (patches, values, camera, width, height, samples, scale, smooth, irradiance=None, reflectance=None,
-                    going_on=None, threads=None, progress=None, diffuse_transmittance=None))]
+                    going_on=None, threads=None, progress=None, diffuse_transmittance=None, textures=None))]
 fn render<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -168,38 +170,69 @@ fn render<'py>(
     scale: f64,
     smooth: bool,
     irradiance: Option<PyReadonlyArray2<'py, f64>>,
-    reflectance: Option<Vec<Vec<f64>>>,
+    reflectance: Option<PyReadonlyArray2<'py, f64>>,
     going_on: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
-    diffuse_transmittance: Option<Vec<Vec<f64>>>,
+    diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
+    textures: Option<PyRef<'py, Textures>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let patches = patches.inner.clone();
-    let bands = values.as_array().ncols();
-    let values = convert::block_in(&values, patches.len(), bands, "values")?;
-    let irradiance = irradiance.map(|h| convert::block_in(&h, patches.len(), bands, "irradiance")).transpose()?;
+    let (n, bands) = (patches.len(), values.as_array().ncols());
+    let values = convert::block_in(&values, n, bands, "values")?;
+    let block = |array: Option<PyReadonlyArray2<'py, f64>>, what: &str| {
+        array.map(|array| convert::block_in(&array, n, bands, what)).transpose()
+    };
+    let paint = block(irradiance, "irradiance")?.zip(block(reflectance, "reflectance")?);
+    let textures = textures_in(textures, n)?;
     let camera = camera_in(camera);
     let settings = RenderSettings { width, height, samples, scale, ..RenderSettings::default() };
-    let going_on = going_on.map(|parts| convert::going_on_in(&parts, patches.len())).transpose()?;
-    let through = diffuse_transmittance.unwrap_or_default();
+    let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
+    let through = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
     let image = watch::run(py, threads, progress.as_ref(), |control| {
-        let smoother = || Smoother::new(&patches, radiosity_geometry::corners::CREASE_ANGLE);
-        let corners = match (&irradiance, &reflectance) {
-            _ if !smooth => Vec::new(),
-            (Some(h), Some(rho)) => smoother().corner_radiosity(&values, h, rho, &through, bands),
-            _ => smoother().corner_values(&values, bands),
-        };
-        let shading = if smooth { Shading::Smooth(&corners) } else { Shading::Patches(&values) };
-        match &going_on {
+        let light = Light { patches: &patches, values: &values, bands, paint: paint.as_ref(), through: &through };
+        let show = |shading: Shading| match &going_on {
             None => radiosity_picture::render(&patches, shading, bands, &camera, &settings, control),
             Some([specular, transmittance]) => {
                 let mirrors = Mirrors { specular, transmittance };
                 radiosity_picture::render_with_mirrors(&patches, mirrors, shading, bands, &camera, &settings, control)
             }
-        }
+        };
+        if smooth { light.smoothed(textures.as_ref(), show) } else { show(Shading::Patches(&values)) }
     })?;
     let image = image.map_err(|_| PyKeyboardInterrupt::new_err("stopped on request"))?;
     image_out(py, image)
+}
+
+/// Values of patches, and irradiance and reflectance if they are radiosity.
+struct Light<'a> {
+    patches: &'a radiosity_geometry::Patches,
+    values: &'a [f64],
+    bands: usize,
+    paint: Option<&'a (Vec<f64>, Vec<f64>)>,
+    /// What passes diffusely; empty if nothing does.
+    through: &'a [f64],
+}
+
+impl Light<'_> {
+    /// Has them shown with values at corners.
+    fn smoothed<T>(&self, textures: Option<&TexturedPatches>, show: impl Fn(Shading) -> T) -> T {
+        let (values, bands) = (self.values, self.bands);
+        let smoother = Smoother::new(self.patches, radiosity_geometry::corners::CREASE_ANGLE);
+        let Some((irradiance, reflectance)) = self.paint else {
+            return show(Shading::Smooth(&smoother.corner_values(values, bands)));
+        };
+        let radiosity = smoother.corner_radiosity_of_patches(values, irradiance, reflectance, self.through, bands);
+        let Some(textures) = textures else { return show(Shading::Smooth(&radiosity)) };
+        let emission = radiosity_picture::emission_of(values, irradiance, reflectance);
+        let irradiance = smoother.corner_values(irradiance, bands);
+        show(Shading::Textured(Textured {
+            radiosity: &radiosity,
+            irradiance: &irradiance,
+            emission: &emission,
+            textures,
+        }))
+    }
 }
 
 /// (height, width, bands).

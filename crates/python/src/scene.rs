@@ -1,12 +1,13 @@
 //! Scenes across the border: plain tuples and arrays out, the same in.
 
+use crate::textures::Raster;
 use crate::{convert, errors, patches};
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use radiosity_scene::meshing::{self, Contacts, Meshing};
-use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Unit, builtin as builtins};
+use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Texture, Unit, builtin as builtins};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -16,8 +17,12 @@ pub struct Scene {
     pub inner: radiosity_scene::Scene,
 }
 
+/// Image and (n_vertices, 2) coordinates.
+type TextureOut<'py> = Option<(Raster, Bound<'py, PyArray2<f64>>)>;
+type TextureIn<'py> = Option<(Py<Raster>, PyReadonlyArray2<'py, f64>)>;
+
 /// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance, diffuse
-/// transmittance or nothing.
+/// transmittance or nothing; texture.
 type SurfaceOut<'py> = (
     String,
     Bound<'py, PyArray2<f64>>,
@@ -29,6 +34,7 @@ type SurfaceOut<'py> = (
     f64,
     f64,
     Vec<f64>,
+    TextureOut<'py>,
 );
 type SurfaceIn<'py> = (
     String,
@@ -41,6 +47,7 @@ type SurfaceIn<'py> = (
     f64,
     f64,
     Vec<f64>,
+    TextureIn<'py>,
 );
 
 /// kind, name, position, direction, inner and outer angle, strength.
@@ -222,11 +229,15 @@ fn surface_out<'py>(py: Python<'py>, s: &Surface) -> SurfaceOut<'py> {
         m.specular,
         m.transmittance,
         m.diffuse_transmittance.clone(),
+        s.texture.as_ref().map(|texture| {
+            let coordinates = texture.coordinates.as_flattened().to_vec();
+            (Raster { inner: texture.image.clone() }, convert::block_out(py, coordinates, 2))
+        }),
     )
 }
 
 fn surface_in(
-    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through): SurfaceIn<
+    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through, texture): SurfaceIn<
         '_,
     >,
 ) -> PyResult<Surface> {
@@ -256,7 +267,11 @@ fn surface_in(
         two_sided,
         diffuse_transmittance: through,
     };
-    Ok(Surface { vertices, faces, material, name })
+    let texture = texture.map(|(image, coordinates)| {
+        let coordinates = coordinates.as_array().rows().into_iter().map(|row| [row[0], row[1]]).collect();
+        Texture { image: image.get().inner.clone(), coordinates }
+    });
+    Ok(Surface { vertices, faces, material, name, texture })
 }
 
 pub fn light_out(light: &Light) -> LightTuple {

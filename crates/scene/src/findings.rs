@@ -13,7 +13,9 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use self::overlaps::{corner_key, duplicate_faces};
-use crate::model::{Camera, Face, Finding, Light, MOST_PLACES, Material, Scene, SceneError, Severity, Surface};
+use crate::model::{
+    Camera, Face, Finding, Light, MOST_PLACES, Material, Scene, SceneError, Severity, Surface, Texture,
+};
 use crate::quad::{self, Shape};
 
 /// Above this reflectance solutions need hundreds of bounces and small errors grow.
@@ -78,6 +80,19 @@ impl Scene {
         self.refuse(geometry_findings(self))
     }
 
+    /// Whether all textures fit their surfaces and the bands; shapes are not looked at.
+    ///
+    /// # Errors
+    /// The first error among materials with a texture.
+    pub(crate) fn validate_textures(&self) -> Result<(), SceneError> {
+        let mut found = Vec::new();
+        for surface in self.surfaces.iter().filter(|surface| surface.texture.is_some()) {
+            spectrum_lengths(self, surface, &mut found);
+            textures(self, surface, &mut found);
+        }
+        self.refuse(found)
+    }
+
     fn refuse(&self, found: Vec<Finding>) -> Result<(), SceneError> {
         match found.into_iter().find(|finding| finding.severity == Severity::Error) {
             Some(finding) => Err(SceneError::new(&self.name, finding.element, finding.message)),
@@ -120,6 +135,7 @@ fn optics_findings(scene: &Scene) -> Vec<Finding> {
         let before = found.len();
         spectrum_lengths(scene, surface, &mut found);
         reflectances(scene, surface, &mut found);
+        textures(scene, surface, &mut found);
         speculars(scene, surface, &mut found);
         translucency(scene, surface, &mut found);
         emissions(scene, surface, &mut found);
@@ -300,6 +316,22 @@ fn reflectances(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
         );
         found.push(Finding::note("high-reflectance", named(surface), message));
     }
+}
+
+/// Every vertex has a place on the image, and the image is grey or has the bands of the scene.
+fn textures(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
+    let Some(Texture { image, coordinates }) = &surface.texture else { return };
+    let (bands, vertices) = (scene.bands.len(), surface.vertices.len());
+    let message = if image.channels() != 1 && image.channels() != bands {
+        format!("its texture has {} channels for {bands} bands; give one channel, or one per band", image.channels())
+    } else if coordinates.len() != vertices {
+        format!("it has {} texture coordinates for {vertices} vertices; give one pair each", coordinates.len())
+    } else if let Some(bad) = coordinates.iter().position(|uv| uv.iter().any(|c| !c.is_finite())) {
+        format!("texture coordinate {bad} is not finite; repair the mesh")
+    } else {
+        return;
+    };
+    found.push(Finding::error("texture", named(surface), message));
 }
 
 /// Mirror, glass and paint share what meets a surface. All of it may go on only from a surface that is nothing else.

@@ -1,3 +1,5 @@
+use radiosity_geometry::texture::Raster;
+
 use super::*;
 use crate::model::{Face, Material};
 
@@ -14,6 +16,7 @@ fn surface(vertices: &[[f64; 3]], faces: &[Face]) -> Surface {
         vertices: vertices.iter().map(|&v| DVec3::from_array(v)).collect(),
         faces: faces.to_vec(),
         material: Material::new("paint", &WHITE, &BRIGHT),
+        texture: None,
     }
 }
 
@@ -527,4 +530,27 @@ fn what_passes_diffusely_is_a_part_that_needs_a_back() {
     assert_eq!(codes(paper(0.3, 0.4).with_specular(0.2, 0.2)), ["specular-sum"]);
     assert_eq!(codes(Material { two_sided: false, ..paper(0.5, 0.2) }), ["translucent-one-sided"]);
     assert_eq!(codes(Material { diffuse_transmittance: vec![0.1], ..paper(0.5, 0.2) }), ["spectrum-length"]);
+}
+
+#[test]
+fn textures_must_fit_their_surface_and_the_bands() {
+    let image = |channels: usize| std::sync::Arc::new(Raster::of_values([1, 1], channels, vec![0.5; channels]));
+    let found = |image, coordinates: Vec<[f64; 2]>| {
+        let texture = Some(Texture { image, coordinates });
+        let scene = scene(vec![Surface { texture, ..square() }]);
+        assert_eq!(scene.textured_faces().is_err(), scene.validate().is_err());
+        scene.findings().iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert!(found(image(3), vec![[0.0; 2]; 4]).is_empty() && found(image(1), vec![[0.0; 2]; 4]).is_empty());
+    let three = found(image(3), vec![[0.0; 2]; 3]);
+    assert!(three[0].contains("surface 'square': it has 3 texture coordinates for 4 vertices"), "{three:?}");
+    assert!(found(image(3), vec![[f64::NAN; 2]; 4])[0].contains("texture coordinate 0 is not finite"));
+    let mut grey = scene(vec![Surface {
+        texture: Some(Texture { image: image(3), coordinates: vec![[0.0; 2]; 4] }),
+        material: Material::new("paint", &[0.5], &[1.0]),
+        ..square()
+    }]);
+    grey.bands = vec!["grey".into()];
+    assert!(grey.validate().unwrap_err().to_string().contains("3 channels for 1 bands"));
+    assert!(grey.textured_faces().is_err());
 }

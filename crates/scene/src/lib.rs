@@ -6,6 +6,8 @@ pub mod formats;
 pub mod meshing;
 pub mod model;
 mod quad;
+mod textures;
 
+pub use formats::srgb;
 pub use formats::{LoadOptions, Unit, load};
-pub use model::{Camera, Face, Finding, Hints, Light, Material, Place, Scene, SceneError, Severity, Surface};
+pub use model::{Camera, Face, Finding, Hints, Light, Material, Place, Scene, SceneError, Severity, Surface, Texture};

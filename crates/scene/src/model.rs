@@ -1,8 +1,10 @@
 //! The scene model: plain data, validated by [`Scene::findings`].
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::DVec3;
+use radiosity_geometry::texture::Raster;
 
 /// A face as four vertex indices; a triangle repeats its last index.
 pub type Face = [u32; 4];
@@ -57,6 +59,17 @@ pub struct Surface {
     pub faces: Vec<Face>,
     /// Its optics.
     pub material: Material,
+    /// An image that its diffuse reflectance is to be multiplied with.
+    pub texture: Option<Texture>,
+}
+
+/// An image on a surface, as a part of its diffuse reflectance: linear, of one channel or one per band.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// Values in [0, 1].
+    pub image: Arc<Raster>,
+    /// Texture coordinates of each vertex; (0, 0) is the upper left corner of the image.
+    pub coordinates: Vec<[f64; 2]>,
 }
 
 /// Diffuse reflectance and emission per band, and what goes on as from a mirror or through clear glass.

@@ -266,7 +266,8 @@ def _scene(scene: Scene, levers: Levers, x: Floats) -> Scene:
     def painted(s: Surface) -> Surface:
         emission = changes.get(("emission", s.name), s.emission)
         reflectance = changes.get(("reflectance", s.name), s.reflectance)
-        return dataclasses.replace(s, emission=emission, reflectance=reflectance)
+        texture = None if ("reflectance", s.name) in changes else s.texture  # other paint covers it
+        return dataclasses.replace(s, emission=emission, reflectance=reflectance, texture=texture)
 
     def dimmed(light: Any) -> Any:
         if ("strength", light.name) not in changes:

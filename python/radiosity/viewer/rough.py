@@ -76,10 +76,9 @@ def lit(snapshot: Snapshot) -> LitModel:
 
 def _model(patches: Patches, irradiance: Floats, radiosity: Floats, report: dict[str, Any]) -> LitModel:
     scene = patches.scene
-    table = [np.broadcast_to(np.asarray(s.reflectance, dtype=np.float64), len(scene.bands)) for s in scene.surfaces]
     surfaces = [
-        (s.name, s.material, rho.tolist(), False, *scene._going_on(s), scene._through(s))
-        for s, rho in zip(scene.surfaces, table, strict=True)
+        (s.name, s.material, rho, False, *scene._going_on(s), scene._through(s))
+        for s, rho in zip(scene.surfaces, patches._mean_reflectance(), strict=True)
     ]
     unknown = np.full_like(irradiance, np.nan)
     return LitModel(

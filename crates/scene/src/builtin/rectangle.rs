@@ -36,6 +36,7 @@ pub(super) fn surface(name: &str, quads: &[[DVec3; 4]], material: &Material) -> 
         vertices: quads.iter().flatten().copied().collect(),
         faces: faces.collect(),
         material: material.clone(),
+        texture: None,
     }
 }
 
@@ -60,6 +61,7 @@ pub(super) fn cuboid(name: &str, low: DVec3, high: DVec3, material: &Material) -
         vertices: box_corners(low, high).to_vec(),
         faces: BOX_FACES.to_vec(),
         material: material.clone(),
+        texture: None,
     }
 }
 

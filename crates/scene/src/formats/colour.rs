@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use radiosity_geometry::texture::Raster;
+
 use super::names::Roll;
 
 /// The highest reflectance taken from a file.
@@ -20,6 +22,23 @@ pub(super) fn limited(reflectance: [f64; 3], material: &str, roll: &mut Roll) ->
         roll.warn("reflectance-limited", "material", material, message);
     }
     reflectance.map(|rho| rho.clamp(0.0, MAX_REFLECTANCE))
+}
+
+/// Limits a reflectance that multiplies an image whose channels reach `brightest`, and says so where both together are
+/// above. Returns it, and whether the image is to be [`with_less_light`] for it.
+pub(super) fn limited_with(factor: [f64; 3], brightest: [f32; 3], material: &str, roll: &mut Roll) -> ([f64; 3], bool) {
+    if (0..3).any(|band| factor[band] * f64::from(brightest[band]) > MAX_REFLECTANCE) {
+        let message = "the base colour texture is above 0.95 in places and was limited to 0.95 there";
+        roll.note("texture-limited", "material", material, message);
+    }
+    let is_limited = factor.iter().any(|&f| f > MAX_REFLECTANCE);
+    let share = if is_limited { MAX_REFLECTANCE } else { 1.0 };
+    (factor.map(|f| share * f.clamp(0.0, 1.0)), is_limited)
+}
+
+/// An image whose texels are limited to 0.95 and that is then as bright again for a reflectance that was made less.
+pub(super) fn with_less_light(image: &Raster) -> Raster {
+    image.clone().with_gain([(1.0 / MAX_REFLECTANCE) as f32; 3])
 }
 
 /// How far exporters in single precision miss 0 and 1.

@@ -59,15 +59,21 @@ pub(super) fn faces(polygons: &Polygons, positions: &[DVec3], name: &str, roll: 
 }
 
 /// The vertices that the faces use, in metres, and the faces renumbered.
-pub(super) fn compacted(positions: &[DVec3], mut faces: Vec<Face>, metres: f64) -> (Vec<DVec3>, Vec<Face>) {
-    let (mut place, mut vertices) = (HashMap::new(), Vec::new());
+pub(super) fn compacted(positions: &[DVec3], faces: Vec<Face>, metres: f64) -> (Vec<DVec3>, Vec<Face>) {
+    let (kept, faces) = renumbered(faces);
+    (kept.iter().map(|&vertex| metres * positions[vertex as usize]).collect(), faces)
+}
+
+/// The vertices that the faces use, in order of first use, and the faces renumbered.
+pub(super) fn renumbered(mut faces: Vec<Face>) -> (Vec<u32>, Vec<Face>) {
+    let (mut place, mut kept) = (HashMap::new(), Vec::new());
     for corner in faces.iter_mut().flatten() {
         *corner = *place.entry(*corner).or_insert_with(|| {
-            vertices.push(metres * positions[*corner as usize]);
-            vertices.len() as u32 - 1
+            kept.push(*corner);
+            kept.len() as u32 - 1
         });
     }
-    (vertices, faces)
+    (kept, faces)
 }
 
 /// Vertices that are found again by their position.

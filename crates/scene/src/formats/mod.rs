@@ -21,6 +21,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
+pub use texture::srgb;
 pub use unit::Unit;
 
 use crate::model::{Finding, Material, Scene, SceneError};

@@ -123,7 +123,7 @@ impl Shape {
                 vertices.len() as u32 - 1
             });
         }
-        Surface { name: name.into(), vertices, faces, material: material.clone() }
+        Surface { name: name.into(), vertices, faces, material: material.clone(), texture: None }
     }
 }
 

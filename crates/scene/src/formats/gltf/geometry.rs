@@ -10,6 +10,7 @@ use glam::{DAffine3, DVec3};
 
 use super::accessors::Table;
 use super::buffers::Document;
+use super::textures;
 use crate::formats::LoadOptions;
 use crate::formats::names::Roll;
 use crate::model::{Face, SceneError};
@@ -22,6 +23,8 @@ pub(super) struct Primitive {
     /// Mean of COLOR_0 over the area.
     pub colour: Option<[f64; 3]>,
     pub material: Option<usize>,
+    /// Of its vertices, for the base colour texture; none if it has no texture, or no sound coordinates for it.
+    pub coordinates: Option<Vec<[f64; 2]>>,
 }
 
 /// Arrays that were decoded already: exporters let many primitives share one.
@@ -85,9 +88,29 @@ fn primitive(
     }
     let colours = colours(document, source, decoded)?;
     let colour = colours.map(|colours| mean_colour(&colours, &positions, &triangles)).transpose()?;
-    let (positions, triangles) = compacted(&positions, triangles);
     let material = source.material.map(|material| material.value());
-    Ok(Some(Primitive { positions, triangles, colour, material }))
+    let coordinates = coordinates(document, source, material, positions.len());
+    let (kept, triangles) = compacted(triangles);
+    let coordinates = coordinates.map(|table| {
+        let of = |&vertex: &u32| [table.values[2 * vertex as usize], table.values[2 * vertex as usize + 1]];
+        kept.iter().map(of).collect()
+    });
+    let positions = kept.iter().map(|&vertex| positions[vertex as usize]).collect();
+    Ok(Some(Primitive { positions, triangles, colour, material, coordinates }))
+}
+
+/// The texture coordinates that the base colour texture of a material asks for; none if they are not there or unsound.
+fn coordinates(
+    document: &Document,
+    source: &json::mesh::Primitive,
+    material: Option<usize>,
+    count: usize,
+) -> Option<Table> {
+    let texture = textures::of_base_colour(document.root.materials.get(material?)?)?;
+    let semantic = Semantic::TexCoords(textures::coordinate_set(texture));
+    let table = document.table(*source.attributes.get(&Checked::Valid(semantic))?).ok()?;
+    let is_sound = table.columns == 2 && table.rows().len() >= count && table.values.iter().all(|c| c.is_finite());
+    is_sound.then_some(table)
 }
 
 fn positions(
@@ -182,12 +205,12 @@ fn mean_colour(colours: &Table, positions: &[DVec3], triangles: &[[u32; 3]]) -> 
 }
 
 /// The vertices that the triangles use, in order of first use, and the triangles renumbered.
-fn compacted(positions: &[DVec3], mut triangles: Vec<[u32; 3]>) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+fn compacted(mut triangles: Vec<[u32; 3]>) -> (Vec<u32>, Vec<[u32; 3]>) {
     let (mut place, mut kept) = (HashMap::new(), Vec::new());
     for corner in triangles.iter_mut().flatten() {
         // Work in proportion to the triangles: the array may be shared by thousands of primitives.
         *corner = *place.entry(*corner).or_insert_with(|| {
-            kept.push(positions[*corner as usize]);
+            kept.push(*corner);
             kept.len() as u32 - 1
         });
     }

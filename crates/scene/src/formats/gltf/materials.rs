@@ -7,21 +7,18 @@ use ::gltf::json::validation::Checked;
 
 use super::buffers::Document;
 use super::geometry::Primitive;
+use super::textures::{self, Images, Painted};
 use crate::formats::colour::{self, UNKNOWN_REFLECTANCE, times};
-use crate::formats::folder::{Folder, abbreviated};
+use crate::formats::folder::Folder;
 use crate::formats::names::Roll;
-use crate::formats::texture::{Mean, mean};
-use crate::model::{Finding, Material, SceneError};
-
-/// Image files larger than this are not read.
-const MAX_IMAGE_BYTES: u64 = 1 << 30;
+use crate::formats::texture::{Mean, NO_ROOM};
+use crate::model::{Finding, Material, SceneError, Texture};
 
 /// The materials of a file, each read when first met.
 pub(super) struct Materials<'a> {
     document: &'a Document<'a>,
-    folder: &'a Folder,
     known: Vec<Option<Optics>>,
-    images: Vec<Option<Result<Mean, String>>>,
+    images: Images<'a>,
     findings: Vec<Finding>,
     roll: Roll,
 }
@@ -39,6 +36,17 @@ struct Optics {
     two_sided: bool,
     /// What leaves the other side diffusely.
     diffused: [f64; 3],
+    /// The image that goes with the diffuse reflectance in place of its mean.
+    painted: Option<Painted>,
+}
+
+/// What is reflected diffusely, as from a mirror, let through, and let through diffusely.
+struct Parts {
+    reflectance: [f64; 3],
+    mirrored: [f64; 3],
+    passed: [f64; 3],
+    diffused: [f64; 3],
+    painted: Option<Painted>,
 }
 
 /// The greatest roughness of mirrors and clear glass: its square, the width of the lobe (Walter et al. 2007), is then
@@ -52,22 +60,29 @@ impl<'a> Materials<'a> {
     pub fn new(document: &'a Document<'a>, folder: &'a Folder) -> Self {
         Self {
             document,
-            folder,
             known: vec![None; document.root.materials.len()],
-            images: vec![None; document.root.images.len()],
+            images: Images::new(document, folder),
             findings: Vec::new(),
             roll: Roll::default(),
         }
     }
 
-    /// The material of a primitive, vertex colours included.
-    pub fn of(&mut self, primitive: &Primitive) -> Result<Material, SceneError> {
+    /// The material of a primitive, vertex colours included, and its texture.
+    pub fn of(&mut self, primitive: &Primitive) -> Result<(Material, Option<Texture>), SceneError> {
         let optics = match primitive.material {
             Some(index) => self.optics(index)?,
             None => self.without_material(),
         };
         let tint = primitive.colour.unwrap_or([1.0; 3]);
-        let reflectance = colour::limited(times(optics.reflectance, tint), &optics.name, &mut self.roll);
+        let (reflectance, texture) = match self.laid(&optics, primitive) {
+            Some((painted, coordinates)) => {
+                let factor = times(painted.factor, tint);
+                let (reflectance, is_limited) =
+                    colour::limited_with(factor, painted.brightest, &optics.name, &mut self.roll);
+                (reflectance, Some(Texture { image: self.images.wrapped(painted, is_limited), coordinates }))
+            }
+            None => (colour::limited(times(optics.reflectance, tint), &optics.name, &mut self.roll), None),
+        };
         let specular = self.grey(times(optics.mirrored, tint), &optics.name);
         let transmittance = self.grey(times(optics.passed, tint), &optics.name);
         let diffused = colour::limited(times(optics.diffused, tint), &optics.name, &mut self.roll);
@@ -75,7 +90,20 @@ impl<'a> Materials<'a> {
             Material::new(optics.name, &reflectance, &optics.emission).with_specular(specular, transmittance);
         let material = Material { two_sided: optics.two_sided, ..material };
         let is_translucent = diffused != [0.0; 3];
-        Ok(self.limited(if is_translucent { material.with_diffuse_transmittance(&diffused) } else { material }))
+        let material = if is_translucent { material.with_diffuse_transmittance(&diffused) } else { material };
+        Ok((self.limited(material), texture))
+    }
+
+    /// The image of a material and where the vertices of a primitive are on it.
+    fn laid<'b>(&mut self, optics: &'b Optics, primitive: &Primitive) -> Option<(&'b Painted, Vec<[f64; 2]>)> {
+        let painted = optics.painted.as_ref()?;
+        let found = primitive.coordinates.as_ref().and_then(|coordinates| painted.transformed(coordinates));
+        if found.is_none() {
+            let message = "surfaces have no sound texture coordinates for its base colour, and the mean of the image was \
+                           taken; export them along with the mesh";
+            self.roll.warn("no-texture-coordinates", "material", &optics.name, message);
+        }
+        found.map(|coordinates| (painted, coordinates))
     }
 
     /// Mirrors and glass have one value for all bands.
@@ -123,6 +151,7 @@ impl<'a> Materials<'a> {
             emission: [0.0; 3],
             two_sided: false,
             diffused: [0.0; 3],
+            painted: None,
         }
     }
 
@@ -143,9 +172,10 @@ impl<'a> Materials<'a> {
         let root = self.document.root;
         let source = &root.materials[index];
         let name = source.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {index}"));
-        let [reflectance, mirrored, passed, diffused] = self.parts(source, &name)?;
+        let Parts { reflectance, mirrored, passed, diffused, painted } = self.parts(source, &name)?;
         let emission = self.emission(source, &name)?;
-        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided: source.double_sided, diffused })
+        let two_sided = source.double_sided;
+        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided, diffused, painted })
     }
 
     fn fail(&self, name: &str, message: impl Into<String>) -> SceneError {
@@ -158,8 +188,7 @@ impl<'a> Materials<'a> {
         self.roll.warn("transparent-material", "material", name, message);
     }
 
-    /// What is reflected diffusely, as from a mirror, let through, and let through diffusely.
-    fn parts(&mut self, source: &json::Material, name: &str) -> Result<[[f64; 3]; 4], SceneError> {
+    fn parts(&mut self, source: &json::Material, name: &str) -> Result<Parts, SceneError> {
         let blends = source.alpha_mode != Checked::Valid(AlphaMode::Opaque);
         let wanted = self.transmission(source, name)?;
         let glossy = source.extensions.as_ref().and_then(|extensions| extensions.pbr_specular_glossiness.as_ref());
@@ -167,11 +196,11 @@ impl<'a> Materials<'a> {
             if blends || wanted > 0.0 {
                 self.warn_of_transparency(name);
             }
-            let factor = rgb(glossy.diffuse_factor.0);
-            return Ok([self.diffuse(factor, glossy.diffuse_texture.as_ref(), name)?, [0.0; 3], [0.0; 3], [0.0; 3]]);
+            let (reflectance, painted) = self.diffuse(rgb(glossy.diffuse_factor.0), source, name)?;
+            return Ok(Parts { reflectance, mirrored: [0.0; 3], passed: [0.0; 3], diffused: [0.0; 3], painted });
         }
         let pbr = &source.pbr_metallic_roughness;
-        let base = self.diffuse(rgb(pbr.base_color_factor.0), pbr.base_color_texture.as_ref(), name)?;
+        let (base, painted) = self.diffuse(rgb(pbr.base_color_factor.0), source, name)?;
         let metallic = self.metallic(pbr, name)?;
         let is_smooth = (metallic > NOISE || wanted > NOISE) && self.roughness(pbr, name)? <= SMOOTH;
         if metallic > NOISE && !is_smooth {
@@ -186,7 +215,10 @@ impl<'a> Materials<'a> {
         let (diffuse, (share, colour)) = ((1.0 - metallic) * (1.0 - passes), self.diffuse_transmission(source, name)?);
         let part = |share: f64| base.map(|c| c * share);
         let diffused = colour.map(|c| c * share * diffuse);
-        Ok([part(diffuse * (1.0 - share)), part(mirrors), part((1.0 - metallic) * passes), diffused])
+        let (mirrored, passed) = (part(mirrors), part((1.0 - metallic) * passes));
+        let back = diffuse * (1.0 - share);
+        let painted = painted.filter(|_| back > 0.0).map(|painted| painted.dimmed(back));
+        Ok(Parts { reflectance: part(back), mirrored, passed, diffused, painted })
     }
 
     /// The share of what is diffuse that leaves the other side, and its colour; the texture of the one keeps it in its
@@ -240,17 +272,32 @@ impl<'a> Materials<'a> {
         }
     }
 
+    /// The mean of the base colour, and its image if there is one.
     fn diffuse(
         &mut self,
         factor: [f64; 3],
-        texture: Option<&texture::Info>,
+        source: &json::Material,
         name: &str,
-    ) -> Result<[f64; 3], SceneError> {
+    ) -> Result<([f64; 3], Option<Painted>), SceneError> {
         if !colour::is_fraction(factor) {
             return Err(self.fail(name, format!("its base colour {factor:?} must lie within 0 and 1; correct it")));
         }
-        let texture = texture.map(|info| self.mean(info, name, "base colour", UNKNOWN_REFLECTANCE));
-        Ok(texture.map_or(factor, |mean| times(factor, mean.colour)))
+        let Some(info) = textures::of_base_colour(source).filter(|_| factor != [0.0; 3]) else {
+            return Ok((factor, None));
+        };
+        match self.images.painted(info, factor) {
+            Ok((mean, painted)) => {
+                if painted.is_none() {
+                    let element = format!("material '{name}', base colour texture");
+                    self.findings.push(Finding::warning("texture-averaged", element, NO_ROOM));
+                }
+                Ok((times(factor, mean), painted))
+            }
+            Err(fault) => {
+                self.cannot_read(&fault, name, "base colour", UNKNOWN_REFLECTANCE);
+                Ok((times(factor, [UNKNOWN_REFLECTANCE; 3]), None))
+            }
+        }
     }
 
     /// How metallic it is on average; the texture keeps it in its blue channel.
@@ -279,36 +326,18 @@ impl<'a> Materials<'a> {
 
     /// The mean of a texture, or `otherwise` and a finding if it cannot be read.
     fn mean(&mut self, info: &texture::Info, material: &str, what: &str, otherwise: f64) -> Mean {
-        self.image_of(info).unwrap_or_else(|fault| {
-            self.findings.push(Finding::warning(
-                "unreadable-texture",
-                format!("material '{material}', {what} texture"),
-                format!("{fault}; {otherwise} was taken for it; supply it as PNG or JPEG next to the scene"),
-            ));
+        self.images.mean(info).unwrap_or_else(|fault| {
+            self.cannot_read(&fault, material, what, otherwise);
             Mean { colour: [otherwise; 3], data: [otherwise; 3], alpha: otherwise }
         })
     }
 
-    fn image_of(&mut self, info: &texture::Info) -> Result<Mean, String> {
-        let root = self.document.root;
-        let texture = root.get(info.index).ok_or(format!("texture {} does not exist", info.index.value()))?;
-        let index = texture.source.value();
-        let image = root.images.get(index).ok_or("it has no image in a format that is read")?;
-        if let Some(Some(known)) = self.images.get(index) {
-            return known.clone();
-        }
-        let label = image.uri.as_deref().map_or_else(|| format!("image {index}"), abbreviated);
-        let result = self.decode(image).map_err(|fault| format!("{label} cannot be read ({fault})"));
-        self.images[index] = Some(result.clone());
-        result
-    }
-
-    fn decode(&self, image: &json::Image) -> Result<Mean, String> {
-        match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => mean(&self.folder.read_uri(uri, MAX_IMAGE_BYTES)?),
-            (None, Some(view)) => mean(self.document.view(view)?.0),
-            (None, None) => Err("it has no data".into()),
-        }
+    fn cannot_read(&mut self, fault: &str, material: &str, what: &str, otherwise: f64) {
+        self.findings.push(Finding::warning(
+            "unreadable-texture",
+            format!("material '{material}', {what} texture"),
+            format!("{fault}; {otherwise} was taken for it; supply it as PNG or JPEG next to the scene"),
+        ));
     }
 }
 

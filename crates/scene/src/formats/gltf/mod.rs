@@ -3,7 +3,8 @@
 //! | glTF | here |
 //! |---|---|
 //! | primitive of a node | one surface, named after the node or else the mesh |
-//! | base colour factor x mean of its texture x mean of COLOR_0 x (1 - metallic) | reflectance, limited to 0.95 |
+//! | base colour factor x mean of COLOR_0 x (1 - metallic) | reflectance; with the texture limited to 0.95 |
+//! | base colour texture, its wrap modes, coordinates and KHR_texture_transform | texture; without coordinates, its mean |
 //! | base colour x metallic, where roughness is at most 0.1 | mirror reflectance: its luminance |
 //! | base colour x (1 - metallic) x transmission factor x mean of its texture, likewise | transmittance: its luminance |
 //! | diffuse transmission factor x its colour x means of their textures x (1 - metallic) | diffuse transmittance |
@@ -13,6 +14,8 @@
 //! | perspective camera | camera |
 //!
 //! What transmits diffusely reflects the rest of its factor of the base colour, and is two-sided whatever the file says.
+//! Images other than that of the base colour count by their means, and mirrors and glass by the mean of that. Images take
+//! 512 MiB at most together; those beyond are averaged, with a finding.
 //!
 //! Metals and glass that are rougher are what is diffuse of them, with a finding. What a coat or glass mirrors of light
 //! by its refractive index, a few per cent, is left out.
@@ -30,6 +33,7 @@ mod lights;
 mod materials;
 #[cfg(test)]
 pub(super) mod testing;
+mod textures;
 
 use std::path::Path;
 use std::rc::Rc;
@@ -142,11 +146,11 @@ impl<'a> Reader<'a> {
                     ),
                 ));
             }
-            let mut material = self.materials.of(primitive)?;
+            let (mut material, texture) = self.materials.of(primitive)?;
             let two_sided = self.options.two_sided.unwrap_or(material.two_sided);
             material.two_sided = two_sided || material.is_translucent();
             let (vertices, faces) = geometry::placed(primitive, placement.world, self.metres);
-            self.scene.surfaces.push(Surface { name: self.names.claim(&name), vertices, faces, material });
+            self.scene.surfaces.push(Surface { name: self.names.claim(&name), vertices, faces, material, texture });
         }
         Ok(())
     }

@@ -1,10 +1,12 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use radiosity_geometry::texture::Wrap;
 use serde_json::{Value, json};
 
 use super::testing::{Glb, SQUARE, container};
 use super::*;
+use crate::formats::colour;
 use crate::formats::texture::tests::two_colour_png;
 use crate::formats::{LoadOptions, Unit};
 use crate::model::{Light, Severity};
@@ -493,7 +495,98 @@ fn textures_and_vertex_colours_tint() {
     let material = &scene.surfaces[0].material;
     assert!(close(&material.reflectance, &[0.5 * 0.5 * 0.5, 0.6 * 0.5, 0.0]), "{:?}", material.reflectance);
     assert!(close(&material.emission, &[0.05 * PI, 0.1 * PI, 0.15 * PI]));
+    // Without texture coordinates the mean is taken.
+    assert_eq!(codes(&scene), ["no-texture-coordinates"]);
+}
+
+/// The square with an image on it, its left half of one colour and its right half of another.
+fn textured(left: [u8; 3], right: [u8; 3]) -> Glb {
+    let mut glb = Glb::square();
+    let view = glb.view(&two_colour_png(left, right));
+    glb.push("images", json!({"bufferView": view, "mimeType": "image/png"}));
+    glb.push("samplers", json!({"wrapS": 33071, "wrapT": 33648}));
+    glb.push("textures", json!({"source": 0, "sampler": 0}));
+    glb.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    let corners: Vec<u8> = [[0.0_f32, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
+        .as_flattened()
+        .iter()
+        .flat_map(|c| c.to_le_bytes())
+        .collect();
+    let coordinates = glb.accessor(&corners, 5126, "VEC2", 4);
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(coordinates);
+    glb
+}
+
+/// The reflectance at a point of the only surface.
+fn reflectance_at(scene: &Scene, x: f64, y: f64) -> [f32; 3] {
+    let faces = scene.textured_faces().unwrap()[0].clone().unwrap();
+    // Its faces are the triangles below and above the diagonal.
+    let found = faces.at(usize::from(y > x), DVec3::new(x, y, 0.0));
+    [0, 1, 2].map(|band| found.band(band))
+}
+
+#[test]
+fn textures_come_with_coordinates_wrap_modes_and_factors() {
+    let scene = parsed(&textured([255; 3], [0, 0, 128]));
     assert_eq!(scene.findings(), vec![]);
+    let surface = &scene.surfaces[0];
+    assert!(close(&surface.material.reflectance, &[0.5, 0.6, 0.7]));
+    let texture = surface.texture.as_ref().unwrap();
+    assert_eq!(texture.image.wrap(), [Wrap::Clamp, Wrap::Mirror]);
+    assert_eq!(texture.coordinates, [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
+    assert_eq!(reflectance_at(&scene, 0.2, 0.7), [0.5, 0.6, 0.7]);
+    let [red, green, blue] = reflectance_at(&scene, 0.8, 0.7);
+    assert!(red == 0.0 && green == 0.0 && (blue - 0.7 * 0.215_860_5).abs() < 1e-6);
+}
+
+#[test]
+fn white_of_textures_is_limited_where_it_is_too_white() {
+    let mut glb = textured([255; 3], [128; 3]);
+    glb.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 1, 1, 1]);
+    let scene = parsed(&glb);
+    assert_eq!(codes(&scene), ["texture-limited"]);
+    assert!(scene.validate().is_ok());
+    let [white, grey] = [0.2, 0.8].map(|x| reflectance_at(&scene, x, 0.5)[0]);
+    assert!((white - 0.95).abs() < 1e-6 && (grey - 0.215_860_5).abs() < 1e-6, "{white} {grey}");
+}
+
+#[test]
+fn textures_are_scaled_turned_and_moved() {
+    let mut glb = textured([255; 3], [0; 3]);
+    let transform = json!({"offset": [0.25, 1.0], "rotation": PI / 2.0, "scale": [2.0, 0.5]});
+    glb.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
+        json!({"KHR_texture_transform": transform});
+    let found = parsed(&glb).surfaces[0].texture.clone().unwrap().coordinates;
+    // A quarter turn counter-clockwise takes (u, v), v down, to (v, -u).
+    for ([u, v], expected) in found.iter().zip([[0.75, 1.0], [0.75, -1.0], [0.25, -1.0], [0.25, 1.0]]) {
+        assert!((u - expected[0]).abs() < 1e-6 && (v - expected[1]).abs() < 1e-6, "{found:?}");
+    }
+}
+
+#[test]
+fn unsound_coordinates_leave_the_mean() {
+    for (bytes, kind, count) in [(vec![0; 48], "VEC3", 4), (vec![0; 16], "VEC2", 2), (vec![255; 32], "VEC2", 4)] {
+        let mut glb = textured([255; 3], [0; 3]);
+        let coordinates = glb.accessor(&bytes, 5126, kind, count);
+        glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(coordinates);
+        let scene = parsed(&glb);
+        assert_eq!(codes(&scene), ["no-texture-coordinates"]);
+        assert!(scene.surfaces[0].texture.is_none());
+        assert!(close(&scene.surfaces[0].material.reflectance, &[0.25, 0.3, 0.35]));
+    }
+}
+
+#[test]
+fn smooth_metals_mirror_the_mean_and_half_metals_keep_half_the_texture() {
+    let mut glb = textured([255; 3], [0; 3]);
+    let pbr = &mut glb.json["materials"][0]["pbrMetallicRoughness"];
+    (pbr["metallicFactor"], pbr["roughnessFactor"]) = (json!(0.5), json!(0.0));
+    let scene = parsed(&glb);
+    let material = &scene.surfaces[0].material;
+    assert!(close(&material.reflectance, &[0.25, 0.3, 0.35]) && scene.surfaces[0].texture.is_some());
+    assert!((material.specular - 0.25 * colour::luminance([0.5, 0.6, 0.7])).abs() < 1e-6);
+    glb.json["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(1);
+    assert!(parsed(&glb).surfaces[0].texture.is_none());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! Each pair of group (`o`, `g`) and material (`usemtl`) becomes one surface. Planar, convex quads stay quads; other
 //! polygons are cut into triangles. Surfaces are two-sided unless the options say otherwise, because many writers of
-//! OBJ do not care which way faces wind. Normals, texture coordinates, lines, points and curves are not read.
+//! OBJ do not care which way faces wind. Normals, lines, points and curves are not read.
 
 mod library;
 mod statements;
@@ -10,13 +10,15 @@ mod statements;
 use std::collections::HashMap;
 use std::path::Path;
 
+use glam::DVec3;
+
 use self::library::Library;
 use self::statements::{Geometry, Group};
 use super::LoadOptions;
 use super::folder::Folder;
-use super::mesh;
+use super::mesh::{self, Polygons};
 use super::names::{Roll, UniqueNames};
-use crate::model::{Finding, Scene, SceneError, Surface, band_names};
+use crate::model::{Finding, Scene, SceneError, Surface, Texture, band_names};
 
 /// Reads an `.obj` file and the `.mtl` files it names.
 ///
@@ -96,16 +98,31 @@ impl<'a> Builder<'a> {
 
     fn add(&mut self, group: &Group, library: &mut Library) -> Result<(), SceneError> {
         let name = self.name(group);
-        let faces = mesh::faces(&group.polygons, &self.geometry.positions, &name, &mut self.roll);
+        if group.polygons.is_empty() {
+            return Ok(());
+        }
+        let has_image = library.has_image(group.material.as_deref());
+        let sheet = if has_image { Unfolded::new(self.geometry, group) } else { None };
+        let (mut material, image) = library.material(group.material.as_deref(), sheet.is_some())?;
+        let sheet = sheet.filter(|_| image.is_some());
+        let (polygons, positions) = match &sheet {
+            Some(sheet) => (&sheet.polygons, &sheet.positions),
+            None => (&group.polygons, &self.geometry.positions),
+        };
+        let (kept, faces) = mesh::renumbered(mesh::faces(polygons, positions, &name, &mut self.roll));
         if faces.is_empty() {
             return Ok(());
         }
         self.faces += faces.len();
-        let (vertices, faces) = mesh::compacted(&self.geometry.positions, faces, self.options.unit.metres());
-        let mut material = library.material(group.material.as_deref())?;
+        let metres = self.options.unit.metres();
+        let vertices = kept.iter().map(|&vertex| metres * positions[vertex as usize]).collect();
+        let texture = image.zip(sheet).map(|(painted, sheet)| {
+            let coordinates = kept.iter().map(|&vertex| painted.moved(sheet.coordinates[vertex as usize])).collect();
+            Texture { image: painted.image, coordinates }
+        });
         material.two_sided = self.options.two_sided.unwrap_or(true);
         let name = self.names.claim(&name);
-        self.scene.surfaces.push(Surface { name, vertices, faces, material });
+        self.scene.surfaces.push(Surface { name, vertices, faces, material, texture });
         Ok(())
     }
 
@@ -118,6 +135,30 @@ impl<'a> Builder<'a> {
             (Some(material), name) if shared => format!("{name}.{material}"),
             (_, name) => name.into(),
         }
+    }
+}
+
+/// A group whose vertices are as many as have texture coordinates of their own.
+struct Unfolded {
+    polygons: Polygons,
+    positions: Vec<DVec3>,
+    coordinates: Vec<[f64; 2]>,
+}
+
+impl Unfolded {
+    /// None if a corner has no sound coordinates.
+    fn new(geometry: &Geometry, group: &Group) -> Option<Self> {
+        let (mut known, mut positions, mut coordinates) = (HashMap::new(), Vec::new(), Vec::new());
+        let mut corners = Vec::with_capacity(group.polygons.corners.len());
+        for (&vertex, &place) in group.polygons.corners.iter().zip(&group.coordinates) {
+            let found = geometry.coordinates.get(place as usize).copied().flatten()?;
+            corners.push(*known.entry((vertex, place)).or_insert_with(|| {
+                positions.push(geometry.positions[vertex as usize]);
+                coordinates.push(found);
+                positions.len() as u32 - 1
+            }));
+        }
+        Some(Self { polygons: Polygons { corners, ends: group.polygons.ends.clone() }, positions, coordinates })
     }
 }
 

@@ -12,6 +12,8 @@ use crate::formats::mesh::{Polygons, is_coordinate};
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     pub positions: Vec<DVec3>,
+    /// Texture coordinates as the file has them: (0, 0) is the lower left corner of an image. None where they are unsound.
+    pub coordinates: Vec<Option<[f64; 2]>>,
     pub groups: Vec<Group>,
     pub libraries: Vec<String>,
     /// The line of the first point, line or curve.
@@ -26,7 +28,12 @@ pub(super) struct Group {
     pub name: String,
     pub material: Option<String>,
     pub polygons: Polygons,
+    /// Texture coordinates of each corner of the polygons; [`NO_COORDINATES`] where it has none.
+    pub coordinates: Vec<u32>,
 }
+
+/// What stands for texture coordinates that a corner does not have; beyond all that there are.
+pub(super) const NO_COORDINATES: u32 = u32::MAX;
 
 /// What is wrong, and on which line.
 #[derive(Debug)]
@@ -100,6 +107,7 @@ impl Reader {
         let (keyword, rest) = split(statement);
         match keyword {
             "v" => self.geometry.positions.push(vertex(rest)?),
+            "vt" => self.geometry.coordinates.push(coordinates(rest)),
             "f" | "fo" => self.face(rest, line)?,
             "o" | "g" => self.switch(|reader| reader.name = rest.to_string()),
             "usemtl" => self.switch(|reader| reader.material = Some(rest.to_string())),
@@ -119,7 +127,7 @@ impl Reader {
 
     fn face(&mut self, rest: &str, line: usize) -> Result<(), String> {
         let group = self.group();
-        let polygons = &mut self.geometry.groups[group].polygons;
+        let Group { polygons, coordinates, .. } = &mut self.geometry.groups[group];
         let start = polygons.corners.len();
         for corner in rest.split_whitespace() {
             let index = index(corner, self.geometry.positions.len())?;
@@ -127,12 +135,14 @@ impl Reader {
                 self.farthest = Some((index, line));
             }
             polygons.corners.push(index);
+            coordinates.push(coordinate_index(corner, self.geometry.coordinates.len()));
         }
         if polygons.corners.len() - start >= 3 {
             polygons.ends.push(polygons.corners.len());
         } else {
             // Modellers write edges that were left over as faces of two corners.
             polygons.corners.truncate(start);
+            coordinates.truncate(start);
             self.geometry.slender.get_or_insert((line, 0)).1 += 1;
         }
         Ok(())
@@ -145,7 +155,7 @@ impl Reader {
         let groups = &mut self.geometry.groups;
         let index = *self.known.entry((self.name.clone(), self.material.clone())).or_insert_with(|| {
             let (name, material) = (self.name.clone(), self.material.clone());
-            groups.push(Group { name, material, polygons: Polygons::default() });
+            groups.push(Group { name, material, polygons: Polygons::default(), coordinates: Vec::new() });
             groups.len() - 1
         });
         self.current = Some(index);
@@ -173,6 +183,25 @@ fn vertex(rest: &str) -> Result<DVec3, String> {
         None => Err(format!("the vertex '{rest}' has fewer than three coordinates; repair it")),
     };
     Ok(DVec3::new(next()?, next()?, next()?))
+}
+
+/// One or two numbers; none if they are not finite numbers.
+fn coordinates(rest: &str) -> Option<[f64; 2]> {
+    let mut numbers = rest.split_whitespace().map(|word| word.parse::<f64>().ok().filter(|c| is_coordinate(*c)));
+    let u = numbers.next()??;
+    Some([u, numbers.next().unwrap_or(Some(0.0))?])
+}
+
+/// The texture coordinates of a corner such as `7/1/3`, counted from zero; `count` came before. Whether there are so many
+/// is for those who use them.
+fn coordinate_index(corner: &str, count: usize) -> u32 {
+    let number: i64 = corner.split('/').nth(1).and_then(|word| word.parse().ok()).unwrap_or(0);
+    let index = match number {
+        0 => return NO_COORDINATES,
+        1.. => number - 1,
+        _ => (count as i64).saturating_add(number),
+    };
+    u32::try_from(index).unwrap_or(NO_COORDINATES)
 }
 
 /// The vertex of a corner such as `7`, `7/1/3` or `-2//-2`, counted from zero. `count` vertices came before.

@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use radiosity_geometry::texture::Wrap;
 
 use super::*;
 use crate::formats::tests::Scratch;
@@ -129,8 +129,44 @@ fn libraries_give_colours_light_and_textures() {
     assert_eq!(wall.material.reflectance, [0.4, 0.3, 0.5]);
     assert_eq!(lamp.material.emission, [PI, 2.0 * PI, 3.0 * PI]);
     assert_eq!(lamp.material.reflectance, [0.95; 3]);
-    assert_eq!(codes(&scene), ["reflectance-limited"]);
+    // The wall has no texture coordinates, and takes the mean.
+    assert_eq!(codes(&scene), ["no-texture-coordinates", "reflectance-limited"]);
     assert!(scene.validate().is_ok());
+}
+
+#[test]
+fn textures_are_laid_by_coordinates_of_corners() {
+    let scratch = Scratch::new("texture");
+    scratch.write("check.png", two_colour_png([255; 3], [0; 3]));
+    scratch.write("a.mtl", "newmtl wall\nKd 0.8 0.6 0.4\nmap_Kd -clamp on check.png\n");
+    // The second triangle has the first one's corner with other coordinates.
+    let coordinates = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 0.25 0\n";
+    let faces = "usemtl wall\nf 1/1 2/2 3/3\nf 1/4 3/3 4/-4\n";
+    let path = scratch.write("room.obj", format!("mtllib a.mtl\n{SQUARE}{coordinates}{faces}"));
+    let scene = load(&path, &LoadOptions::default()).unwrap();
+    assert_eq!(scene.findings, []);
+    let [wall] = &scene.surfaces[..] else { panic!("{:?}", scene.surfaces) };
+    assert_eq!(wall.faces, [[0, 1, 2, 2], [3, 2, 4, 4]]);
+    let texture = wall.texture.as_ref().unwrap();
+    // v points down here.
+    assert_eq!(texture.coordinates, [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.5, 0.75], [0.0, 1.0]]);
+    assert_eq!((wall.material.reflectance[1], texture.image.wrap()), (0.6, [Wrap::Clamp; 2]));
+    let faces = scene.textured_faces().unwrap()[0].clone().unwrap();
+    let found = faces.at(0, DVec3::new(0.2, 0.1, 0.0));
+    assert_eq!([0, 1, 2].map(|band| found.band(band)), [0.8, 0.6, 0.4]);
+}
+
+#[test]
+fn unsound_coordinates_leave_the_mean() {
+    let scratch = Scratch::new("unsound");
+    scratch.write("check.png", two_colour_png([255; 3], [0; 3]));
+    scratch.write("a.mtl", "newmtl wall\nKd 0.8 0.6 0.4\nmap_Kd check.png\n");
+    for coordinates in ["f 1/1 2/2 3/9", "vt 0 0\nvt 1 0\nvt nan 1\nf 1/1 2/2 3/3", "vt 0 0\nf 1/1 2/ 3/1"] {
+        let path = scratch.write("room.obj", format!("mtllib a.mtl\n{SQUARE}usemtl wall\n{coordinates}\n"));
+        let scene = load(&path, &LoadOptions::default()).unwrap();
+        assert_eq!(codes(&scene), ["no-texture-coordinates"], "{coordinates}");
+        assert!(scene.surfaces[0].texture.is_none() && scene.surfaces[0].material.reflectance == [0.4, 0.3, 0.2]);
+    }
 }
 
 #[test]
@@ -145,7 +181,8 @@ fn missing_libraries_and_textures_are_warnings() {
 
 #[test]
 fn no_damage_panics() {
-    let whole = format!("mtllib x.mtl\no a\n{SQUARE}usemtl m\nf 1/1/1 2/2/2 -2 \\\n 4\ng b c\nf 1 2 3\nl 1 2\n");
+    let whole =
+        format!("mtllib x.mtl\no a\n{SQUARE}vt 0 1\nusemtl m\nf 1/1/1 2/2/2 -2 \\\n 4\ng b c\nf 1 2 3\nl 1 2\n");
     for position in 0..whole.len() {
         let _ = try_parse(&whole[..position]);
         for byte in [0, b' ', b'\n', b'-', b'/', b'9', b'\\', b'#', 0xff] {

@@ -38,7 +38,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<
     let mut findings = vec![without_material];
     findings.extend(left_out(&header, &content));
     findings.extend(roll.into_findings());
-    let surfaces = vec![Surface { name, vertices, faces, material }];
+    let surfaces = vec![Surface { name, vertices, faces, material, texture: None }];
     Ok(Scene { name: super::scene_name(path), bands: band_names(3), surfaces, findings, ..Scene::default() })
 }
 

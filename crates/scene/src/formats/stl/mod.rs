@@ -39,7 +39,13 @@ pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<
             roll.warn("contradicting-normals", "surface", &name, message);
         }
         let (vertices, faces) = mesh::compacted(&solid.vertices.positions, faces, options.unit.metres());
-        scene.surfaces.push(Surface { name: names.claim(&name), vertices, faces, material: material.clone() });
+        scene.surfaces.push(Surface {
+            name: names.claim(&name),
+            vertices,
+            faces,
+            material: material.clone(),
+            texture: None,
+        });
     }
     if scene.surfaces.is_empty() {
         let message = "the file holds no triangles with an area; export meshes as triangles";

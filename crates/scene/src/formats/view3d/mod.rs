@@ -149,12 +149,12 @@ impl<'a> Builder<'a> {
                 if let Some(whole) = self.combined(place, entry)? {
                     self.scene.combined.insert(self.surface[&place], whole);
                 }
-                self.scene.surfaces.push(Surface { name, vertices, faces, material });
+                self.scene.surfaces.push(Surface { name, vertices, faces, material, texture: None });
             }
             Kind::Obstruction | Kind::Null => {
                 let name = self.obstruction_names.claim(&entry.name);
                 let material = Material::new(name.clone(), &[0.0], &[0.0]);
-                self.scene.obstructions.push(Surface { name, vertices, faces, material });
+                self.scene.obstructions.push(Surface { name, vertices, faces, material, texture: None });
             }
         }
         Ok(())
