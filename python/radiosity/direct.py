@@ -49,12 +49,13 @@ def direct_picture(
     """
     o = _optics(scene)
     # What is seen glows by the ambient light as well; what lights it is emission alone.
-    glow = np.ascontiguousarray(o.emission + o.reflectance * np.asarray(ambient, dtype=np.float64))
+    leaves = o.reflectance if o.through is None else o.reflectance + o.through
+    glow = np.ascontiguousarray(o.emission + leaves * np.asarray(ambient, dtype=np.float64))
     return _native.gather(
         o.patches, glow, o.reflectance, np.zeros_like(o.emission), o.emission, o.lights,
         (camera or camera_of(o.cameras, o.patches.polygons))._tuple(), width, height,
         whole(samples, "samples", 1, 1 << 24), "irradiance" if irradiance else "radiance",
-        whole(seed, "seed", 0, 2**64 - 1), o.going_on, threads_or_all(threads), progress,
+        whole(seed, "seed", 0, 2**64 - 1), o.going_on, threads_or_all(threads), progress, o.through, o.textures,
     )[0]  # fmt: skip
 
 

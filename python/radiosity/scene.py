@@ -386,7 +386,9 @@ class Scene:
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:
-    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through, texture = fields
+    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through, texture = (
+        fields
+    )
     return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance,
                    through or 0.0, Texture._from_native(texture))  # fmt: skip
 
