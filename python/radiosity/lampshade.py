@@ -13,7 +13,7 @@ from radiosity.scene import Camera, Scene, Surface
 
 Floats = npt.NDArray[np.float64]
 
-WALL, FLOOR, WOOD = [0.72, 0.68, 0.6], [0.3, 0.22, 0.16], [0.36, 0.22, 0.12]
+WALL, FLOOR, WOOD = [0.72, 0.7, 0.66], [0.3, 0.22, 0.16], [0.36, 0.22, 0.12]
 
 PAPER, THROUGH_PAPER = [0.4, 0.34, 0.24], [0.44, 0.35, 0.21]
 """What warm white paper reflects, and what passes through it."""
@@ -44,7 +44,7 @@ def lampshade(transmittance: float = 1.0) -> Scene:
         *_room(),
         *_table(),
         _turned("lamp foot", foot, 24, (x, TABLE, z), [0.2, 0.36, 0.4]),
-        _turned("bulb", bulb, 12, (x, TABLE, z), 0.3, emission=[300.0, 205.0, 105.0]),
+        _turned("bulb", bulb, 12, (x, TABLE, z), 0.3, emission=[300.0, 225.0, 140.0]),
         _turned("shade", [(0.19, 0.265), (0.168, 0.33), (0.146, 0.395), (0.124, 0.46)], 24, (x, TABLE, z), PAPER,
                 diffuse_transmittance=paper),
         _turned("pot", pot, 20, (0.36, TABLE, 0.02), [0.45, 0.2, 0.12]),
