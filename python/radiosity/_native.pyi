@@ -429,7 +429,7 @@ def gather(
     progress: _Progress | None = None,
     diffuse_transmittance: _Floats | None = None,
     textures: Textures | None = None,
-) -> tuple[_Pixels, _Pixels, int, float, int]: ...
+) -> tuple[_Pixels, float, int]: ...
 def path_trace(
     patches: Patches,
     emission: _Floats,

@@ -23,7 +23,7 @@ Image = npt.NDArray[np.float32]
 Quantity = Literal["radiosity", "irradiance", "emission", "error"]
 Mode = Literal["smooth", "patches", "gather", "path", "direct", "whitted"]
 
-SAMPLES: dict[Mode, int] = {"smooth": 16, "patches": 16, "gather": 64, "path": 64, "direct": 64, "whitted": 64}
+SAMPLES: dict[Mode, int] = {"smooth": 16, "patches": 16, "gather": 32, "path": 64, "direct": 16, "whitted": 16}
 """Rays or paths per pixel where the caller does not say."""
 
 SHOWN_BY: dict[Mode, tuple[Quantity, ...]] = {
@@ -59,7 +59,7 @@ def render(
             "whitted" with an ambient irradiance, also a scene or patches.
         camera: the viewpoint (default: the scene's first, or one that sees everything).
         width, height: pixels.
-        samples: rays per pixel (default 16 for "smooth" and "patches", 64 for others).
+        samples: rays per pixel (default 16), of "gather" into the solution (default 32), or paths (default 64).
         show: radiosity is shown as radiance (W/m2/sr), other quantities in W/m2. "gather" and "direct" show radiosity
             and irradiance; "path" these and, as "error", the standard error of each pixel's radiance.
         mode: "smooth" interpolates values at corners, "patches" shows each patch's value. "gather" looks from every

@@ -26,7 +26,7 @@ _Samples = Annotated[
     typer.Option(
         min=1,
         max=1 << 16,
-        help="Rays per pixel: 16 for --mode smooth and patches, 64 for others.",
+        help="Rays per pixel (16), of --mode gather into the solution (32), or paths (64).",
         show_default=False,
     ),
 ]

@@ -37,9 +37,9 @@ _THICKNESS = 1e-4
 
 
 def one_sided(patches: Patches) -> Patches:
-    """Patches with the backs of two-sided ones after them on surfaces named "... (back)", as in a lit model."""
+    """Patches, diffuse ones, with the backs of two-sided ones after them on surfaces "... (back)", as in a lit model."""
     back = np.flatnonzero(patches.two_sided)
-    if not len(back):
+    if not len(back) and not patches.is_specular:
         return patches
     extent = float(np.ptp(patches.polygons.reshape(-1, 3), axis=0).max())
     behind = patches.polygons[back] - _THICKNESS * extent * patches.normal[back, None]
@@ -53,8 +53,9 @@ def one_sided(patches: Patches) -> Patches:
         np.zeros(len(patches) + len(back), dtype=bool),
         patches.obstructions,
     )
-    # Nothing passes yet: what shoots takes patches for opaque.
-    surfaces = [replace(s, two_sided=False, diffuse_transmittance=0.0) for s in scene.surfaces]
+    # Nothing passes yet, and mirrors are black: what shoots takes patches for opaque and diffuse.
+    diffuse = {"diffuse_transmittance": 0.0, "specular": 0.0, "transmittance": 0.0}
+    surfaces = [replace(s, two_sided=False, **diffuse) for s in scene.surfaces]
     backs = [replace(s, faces=np.asarray(s.faces)[:, ::-1], name=f"{s.name} (back)") for s in surfaces]
     return Patches(Scene([*surfaces, *backs], scene.lights, scene.cameras, scene.name, scene.bands), native)
 
