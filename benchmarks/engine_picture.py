@@ -16,7 +16,7 @@ import radiosity
 from peers.view import CORNELL, SIZE, Picture, angle, arguments, climb
 from radiosity.picture import render
 
-GATHERS = [(0.1, 4), (0.05, 8), (0.03, 16), (0.03, 32), (0.03, 64), (0.02, 128)]
+GATHERS = [(0.1, 4), (0.1, 16), (0.1, 32), (0.05, 64), (0.03, 128), (0.03, 256)]
 """Accuracies of the solution and samples of the gather."""
 
 ACCURACIES = [0.1, 0.05, 0.03, 0.02, 0.01]

@@ -157,7 +157,7 @@ def test_files_and_pictures_have_it(tmp_path: Path) -> None:
     eye = radiosity.Camera.look_at((0.4, -1.9, 0.2), (0, 0, 0.4), (0, 0, 1))
     for mode in ("smooth", "patches", "gather", "path"):
         one, two = (render(x, eye, mode=mode, width=24, height=18, samples=16) for x in (solution, lit))  # type: ignore[arg-type]
-        assert np.mean(np.abs(one - two) > 1e-3 * one.mean()) < 0.05
+        assert np.mean(np.abs(one - two) > 5e-3 * one.mean()) < 0.05
         # What passes is red.
         assert one[..., 0].mean() > 1.2 * one[..., 2].mean()
     solution.save(tmp_path / "paper.npz")

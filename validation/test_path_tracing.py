@@ -157,7 +157,7 @@ def test_a_lit_model_gathers_as_its_solution_does(tmp_path: object) -> None:
     for mode in ("gather", "path"):
         one, two = render(solution, mode=mode, **size), render(lit, mode=mode, **size)
         # Corners of lit models are in single precision: few paths go another way.
-        assert np.mean(np.abs(one - two) > 1e-3 * one.mean()) < 0.05
+        assert np.mean(np.abs(one - two) > 5e-3 * one.mean()) < 0.05
         assert one.mean() == pytest.approx(two.mean(), rel=1e-3)
 
 
@@ -256,7 +256,7 @@ def test_lit_models_keep_their_mirrors(tmp_path: object) -> None:
     size = {"width": 40, "height": 30, "samples": 16}
     for mode in ("smooth", "patches", "gather", "path"):
         one, two = render(solution, mode=mode, **size), render(lit, mode=mode, **size)  # type: ignore[arg-type]
-        assert np.mean(np.abs(one - two) > 1e-3 * one.mean()) < 0.05
+        assert np.mean(np.abs(one - two) > 5e-3 * one.mean()) < 0.05
         assert one.mean() == pytest.approx(two.mean(), rel=2e-3)
 
 

@@ -227,13 +227,16 @@ def load_lit(path: PathLike) -> LitModel | None:
 def _told_by_light(model: LitModel) -> Floats:
     """(n, bands) the reflectance of patches by B = E + rho H, where that is not the mean of their surface.
 
-    Textures and relighting make them differ. A file keeps the light in single precision.
+    Textures and relighting make them differ. A file keeps the light in single precision. Of patches that light passes
+    through it does not tell.
     """
     paint, arrives = model._reflectance, model.irradiance
     told = np.divide(model.radiosity - model.emission, arrives, out=paint.copy(), where=arrives > 0)
     rounding = np.divide(1e-6 * model.radiosity, arrives, out=np.zeros_like(paint), where=arrives > 0)
     most = 1.0 if model._going_on is None else 1 - model._going_on.sum(axis=1, keepdims=True)
     differs = (np.abs(told - paint) > 1e-3 + rounding) & (told >= 0) & (told <= most)
+    if model._through is not None:
+        differs &= ~model._through.any(axis=1, keepdims=True)
     return np.where(differs, told, paint)
 
 

@@ -10,7 +10,7 @@
 //!    technique*).
 //! 3. What the field is off by is small, and smooth but at edges of shadows: so it is fitted over the pixels around that
 //!    show the same surface (Kontkanen, Rasanen and Keller 2006, *Irradiance filtering for Monte Carlo ray tracing*),
-//!    direct light over the nearest only. Rays of pixels next to one another are parts of one sequence (Keller and
+//!    direct light over the nearest only, unless they or the pixel itself differ by more than their noise. Rays of pixels next to one another are parts of one sequence (Keller and
 //!    Heidrich 2001, *Interleaved sampling*), so that together they fill the hemisphere evenly.
 
 use std::collections::VecDeque;
@@ -63,8 +63,10 @@ pub struct Gathered {
     pub rays: u64,
 }
 
-/// Points that are seen in a pixel, at most, and in one that shows an edge so many times more.
+/// Points that are seen in a pixel: as many as rays up to so many, then a quarter of them.
 const POINTS: u32 = 16;
+
+/// Pixels that show an edge have so many times more.
 const FINER: u32 = 8;
 
 /// A pixel shows the edge of a shadow if lamps that are seen in part make more noise than this in it.
@@ -73,17 +75,18 @@ const PARTLY: f64 = 0.005;
 /// Or if its halves differ by more than this.
 const UNEVEN: f64 = 0.02;
 
-/// Pixels on each side of one that its fit takes in.
-const REACH: usize = 8;
-
-/// The standard deviation of their weights, in pixels.
+/// The standard deviation of the weights of pixels in a fit: of a large picture so many pixels, else such a part of it.
 const SPREAD: f64 = 4.0;
+const SPREAD_PART: f64 = 1.0 / 64.0;
+
+/// The square of how many standard deviations are more than noise.
+const SURE: f64 = 4.0;
 
 /// What is added to the mean square of distances in a fit, pixels squared, so that few places in a row do not make up a
 /// slope.
 const RIDGE: f64 = 0.1;
 
-/// Rows that are held at once, three times; not less than [`REACH`].
+/// Rows that are held at once, three times; not less than a fit reaches.
 const ROWS: usize = 32;
 
 /// Pixels that a thread does at once.
@@ -125,7 +128,8 @@ pub fn gather(
         return Ok(Gathered { image, noise: 0.0, rays: 0 });
     }
     let eye = Eye::new(tracer, surfaces, camera, (width, height), settings.culls_backs);
-    let gather = Gather { tracer, eye, fields, width, height, samples: settings.samples.max(2) };
+    let spread = (SPREAD_PART * width.max(height) as f64).clamp(1.0, SPREAD);
+    let gather = Gather { tracer, eye, fields, width, height, samples: settings.samples.max(2), spread };
     control.expect(height as u64);
     let (mut strips, mut noise, mut rays) = (VecDeque::new(), Noise::default(), 0);
     for (k, pixels) in image.pixels.chunks_mut(ROWS * width * bands).enumerate() {
@@ -196,6 +200,8 @@ struct Gather<'a> {
     width: usize,
     height: usize,
     samples: u32,
+    /// Of the weights of pixels in a fit.
+    spread: f64,
 }
 
 /// A smooth surface as one pixel shows it.
@@ -288,7 +294,7 @@ impl Gather<'_> {
     fn piece(&self, buffers: &mut Buffers, pixels: &[usize]) -> Strip {
         let bands = self.bands();
         let before = buffers.walk.rays_traced;
-        let points = self.samples.min(POINTS);
+        let points = self.samples.min(POINTS.max(self.samples / 4));
         let coarse = self.look(buffers, pixels, points, 0);
         let edges: Vec<usize> =
             (0..pixels.len()).filter(|&k| self.shows_an_edge(&coarse.of(k, pixels.len(), bands))).collect();
@@ -493,7 +499,7 @@ impl Gather<'_> {
 
     /// Fills in a strip of which those beside it are known; returns its noise.
     fn develop(&self, strips: &VecDeque<Strip>, row: usize, pixels: &mut [f32]) -> Noise {
-        let (bands, kernel) = (self.bands(), Kernel::new());
+        let (bands, kernel) = (self.bands(), Kernel::new(self.spread));
         let of_row = |(k, values): (usize, &mut [f32])| {
             let (mut noise, mut sums) = (Noise::default(), vec![0.0; 2 * bands]);
             for (x, value) in values.chunks_exact_mut(bands).enumerate() {
@@ -520,51 +526,44 @@ impl Gather<'_> {
         }
         let mut fit = Fit::new(2 * bands);
         for k in strip.parts_of(pixel) {
-            self.fit_around(strips, kernel, (x, y), &strip.parts[k], &mut fit);
+            let part = &strip.parts[k];
+            self.fit_around(strips, kernel, (x, y), part, &mut fit);
+            let (mut excess, near) = (fit.value(), self.mean_around(strips, (x, y), part));
+            near.rest.correct(&mut excess);
+            let mut direct = near.direct.mean.clone();
+            let own = strip.direct.iter().flat_map(|half| &half[k * bands..][..bands]).map(|&v| f64::from(v));
+            Estimate { mean: own.collect(), variance: near.direct.variance_of_one, ..near.direct }.correct(&mut direct);
             let share = &strip.share[k * bands..][..bands];
-            let mut excess = fit.value();
-            self.add_direct(strips, (x, y), k, &mut excess);
-            for (sums, excess) in sums.chunks_exact_mut(bands).zip(excess.chunks_exact(bands)) {
-                sums.iter_mut().zip(share.iter().zip(excess)).for_each(|(sum, (&s, e))| *sum += f64::from(s) * e);
+            let all = excess.chunks_exact(bands).zip(direct.chunks_exact(bands));
+            for (sums, (excess, direct)) in sums.chunks_exact_mut(bands).zip(all) {
+                let more = share.iter().zip(excess.iter().zip(direct)).map(|(&s, (e, d))| f64::from(s) * (e + d));
+                sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             }
         }
     }
 
-    /// Adds what lamps send more than expected to a part: on average with the pixels around, as far as all of them see
-    /// all lamps, or all lie in the same wide half shadow.
-    fn add_direct(&self, strips: &VecDeque<Strip>, place: (usize, usize), k: usize, excess: &mut [f64]) {
-        let Some((strip, _)) = at(strips, self.width, place) else { return };
-        let (bands, reach) = (self.bands(), if strip.parts[k].is_lit { 2 } else { 1 });
-        let around = (1..=reach).rev().find_map(|reach| self.alike_around(strips, place, &strip.parts[k], reach));
-        let around = around.unwrap_or_else(|| vec![(strip, k)]);
-        for (strip, k) in &around {
-            for (excess, half) in excess.chunks_exact_mut(bands).zip(&strip.direct) {
-                let own = &half[k * bands..][..bands];
-                excess.iter_mut().zip(own).for_each(|(sum, &e)| *sum += f64::from(e) / around.len() as f64);
+    /// Means over the parts like one that the nearest pixels show.
+    fn mean_around(&self, strips: &VecDeque<Strip>, (x, y): (usize, usize), part: &Part) -> Near {
+        let bands = self.bands();
+        let (mut rest, mut direct) = (Mean::new(2 * bands), Mean::new(2 * bands));
+        // Half as far as the spread.
+        let near = (0.5 * self.spread).ceil() as usize;
+        let (columns, rows) = (around(x, near, self.width), around(y, near, self.height));
+        for row in rows {
+            let Some((strip, first)) = at(strips, self.width, (columns.start, row)) else { continue };
+            for k in columns.clone().flat_map(|column| strip.parts_of(first + column - columns.start)) {
+                let other = &strip.parts[k];
+                if part.is_like(other) {
+                    let own = |halves: &[Vec<f32>; 2], i: usize| f64::from(halves[i / bands][k * bands + i % bands]);
+                    let pairs = f64::from(other.pairs);
+                    rest.add(pairs, |i| own(&strip.excess, i) / pairs);
+                    if part.is_lit == other.is_lit {
+                        direct.add(1.0, |i| own(&strip.direct, i));
+                    }
+                }
             }
         }
-    }
-
-    /// The parts like one that all pixels around it show; none if one of them does not.
-    fn alike_around<'a>(
-        &self,
-        strips: &'a VecDeque<Strip>,
-        (x, y): (usize, usize),
-        part: &Part,
-        reach: usize,
-    ) -> Option<Vec<(&'a Strip, usize)>> {
-        let is_inside = (reach..self.width.saturating_sub(reach)).contains(&x)
-            && (reach..self.height.saturating_sub(reach)).contains(&y);
-        if !is_inside {
-            return None;
-        }
-        let pixels = (y - reach..=y + reach).flat_map(|row| (x - reach..=x + reach).map(move |column| (column, row)));
-        let alike = |(column, row)| {
-            let (strip, pixel) = at(strips, self.width, (column, row))?;
-            let is_alike = |other: &Part| other.is_lit == part.is_lit && part.is_like(other);
-            strip.parts_of(pixel).find(|&k| is_alike(&strip.parts[k])).map(|k| (strip, k))
-        };
-        pixels.map(alike).collect()
+        Near { rest: rest.estimate(), direct: direct.estimate() }
     }
 
     /// Fits the excess of pixels around one that show more of a part of it.
@@ -578,8 +577,8 @@ impl Gather<'_> {
     ) {
         fit.clear();
         let bands = self.bands();
-        let columns = x.saturating_sub(REACH)..(x + REACH + 1).min(self.width);
-        for row in y.saturating_sub(REACH)..(y + REACH + 1).min(self.height) {
+        let (columns, rows) = (around(x, kernel.reach(), self.width), around(y, kernel.reach(), self.height));
+        for row in rows {
             let Some((strip, first)) = at(strips, self.width, (columns.start, row)) else { continue };
             for column in columns.clone() {
                 for k in strip.parts_of(first + column - columns.start) {
@@ -592,6 +591,66 @@ impl Gather<'_> {
                     }
                 }
             }
+        }
+    }
+}
+
+/// What the nearest pixels say of what a part has more than expected.
+struct Near {
+    rest: Estimate,
+    direct: Estimate,
+}
+
+/// A running mean of quantities that are known twice, from either half, and how noisy they are.
+struct Mean {
+    weight: f64,
+    squares: f64,
+    sums: Vec<f64>,
+    noise: f64,
+    count: f64,
+}
+
+/// An estimate of quantities, each from either half, and the variance of their mean.
+struct Estimate {
+    mean: Vec<f64>,
+    variance: f64,
+    /// The same of one of the values that it is the mean of.
+    variance_of_one: f64,
+}
+
+impl Mean {
+    fn new(count: usize) -> Self {
+        Self { weight: 0.0, squares: 0.0, sums: vec![0.0; count], noise: 0.0, count: 0.0 }
+    }
+
+    fn add(&mut self, weight: f64, value: impl Fn(usize) -> f64) {
+        let half = self.sums.len() / 2;
+        self.sums.iter_mut().enumerate().for_each(|(i, sum)| *sum += weight * value(i));
+        let difference = (0..half).map(|i| value(i) - value(half + i)).sum::<f64>() / half as f64;
+        self.noise += (0.5 * difference).powi(2);
+        self.weight += weight;
+        self.squares += weight * weight;
+        self.count += 1.0;
+    }
+
+    fn estimate(mut self) -> Estimate {
+        self.sums.iter_mut().for_each(|sum| *sum /= self.weight);
+        let variance_of_one = self.noise / self.count;
+        let variance = variance_of_one * self.squares / (self.weight * self.weight);
+        Estimate { mean: self.sums, variance, variance_of_one }
+    }
+}
+
+impl Estimate {
+    /// Moves an estimate from farther around, with less noise and more bias, towards this as far as they differ by more
+    /// than twice the noise of this (Lee 1980, *Digital image enhancement and noise filtering by use of local
+    /// statistics*).
+    fn correct(&self, other: &mut [f64]) {
+        let difference =
+            self.mean.iter().zip(&*other).map(|(own, other)| own - other).sum::<f64>() / other.len() as f64;
+        let share = 1.0 - SURE * self.variance / (difference * difference).max(f64::MIN_POSITIVE);
+        if share > 0.0 {
+            other.iter_mut().zip(&self.mean).for_each(|(other, own)| *other += share * (own - *other));
         }
     }
 }
@@ -722,14 +781,23 @@ impl Strip {
     }
 }
 
+/// Places around one, of so many.
+fn around(place: usize, reach: usize, count: usize) -> Range<usize> {
+    place.saturating_sub(reach)..(place + reach + 1).min(count)
+}
+
 /// Weights of pixels around one.
-struct Kernel([f64; REACH + 1]);
+struct Kernel(Vec<f64>);
 
 impl Kernel {
-    fn new() -> Self {
-        let mut weights = [0.0; REACH + 1];
-        weights.iter_mut().enumerate().for_each(|(k, w)| *w = (-0.5 * (k as f64 / SPREAD).powi(2)).exp());
-        Self(weights)
+    fn new(spread: f64) -> Self {
+        let reach = (2.0 * spread).ceil() as usize;
+        Self((0..=reach).map(|k| (-0.5 * (k as f64 / spread).powi(2)).exp()).collect())
+    }
+
+    /// Pixels on each side.
+    fn reach(&self) -> usize {
+        self.0.len() - 1
     }
 
     fn weight(&self, columns: usize, rows: usize) -> f64 {
