@@ -28,9 +28,13 @@ LitSurfaceTuple = tuple[str, str, list[float], bool, float, float]
 _FindingTuple = tuple[Any, str, str, str, int | None, _Indices, _Floats, _Floats]
 # image and (n_vertices, 2) texture coordinates
 _Texture = tuple[Raster, _Floats] | None
-# name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance; texture
-_SurfaceIn = tuple[str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float, _Texture]
-_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float, _Texture]
+# name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance; texture;
+# metallic and roughness
+_Gloss = tuple[float, float]
+_SurfaceIn = tuple[
+    str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float, _Texture, _Gloss
+]
+_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float, _Texture, _Gloss]
 
 class SceneError(ValueError):
     """A scene that cannot be read, meshed or lit."""
@@ -421,6 +425,7 @@ def gather(
     threads: int | None = None,
     progress: _Progress | None = None,
     textures: Textures | None = None,
+    gloss: _Floats | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...
 def path_trace(
     patches: Patches,
@@ -438,6 +443,7 @@ def path_trace(
     threads: int | None = None,
     progress: _Progress | None = None,
     textures: Textures | None = None,
+    gloss: _Floats | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...
 
 # irradiance and its standard error, samples, relative error, rays

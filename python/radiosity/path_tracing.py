@@ -132,6 +132,7 @@ def path_trace(
         optics.patches, optics.emission, optics.reflectance, optics.lights, camera._tuple(), width, height,
         samples_or_default(samples, accuracy), accuracy, "radiance" if show == "radiosity" else show,
         whole(seed, "seed", 0, 2**64 - 1), optics.going_on, threads_or_all(threads), progress, optics.textures,
+        optics.gloss,
     )  # fmt: skip
     return PathTraced(image, error, Effort(taken, rays, time.monotonic() - start, relative, accuracy))
 
@@ -205,6 +206,7 @@ class _Optics(NamedTuple):
     lights: list[_native.LightTuple]
     cameras: list[Camera]
     textures: _native.Textures | None
+    gloss: Floats | None
 
     @property
     def parts(self) -> tuple[Floats | None, Floats | None]:
@@ -218,7 +220,14 @@ def _optics(scene: Source) -> _Optics:
     if isinstance(scene, LitModel):
         emitted, lamps = np.ascontiguousarray(scene.emission), scene.lights or []
         return _Optics(
-            scene.patches, emitted, scene._reflectance, scene._going_on, lamps, scene.cameras, scene.textures
+            scene.patches,
+            emitted,
+            scene._reflectance,
+            scene._going_on,
+            lamps,
+            scene.cameras,
+            scene.textures,
+            scene.gloss,
         )
     if isinstance(scene, Solution):
         patches, whole_scene = scene.patches, scene.patches.scene
@@ -232,4 +241,4 @@ def _optics(scene: Source) -> _Optics:
     blocks = np.ascontiguousarray(emission), np.ascontiguousarray(reflectance)
     going_on = np.ascontiguousarray(patches._going_on) if patches.is_specular else None
     textures = patches._textures_in(reflectance)
-    return _Optics(patches._native, *blocks, going_on, lights, whole_scene.cameras, textures)
+    return _Optics(patches._native, *blocks, going_on, lights, whole_scene.cameras, textures, patches._gloss)

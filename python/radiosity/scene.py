@@ -79,6 +79,10 @@ class Surface:
         transmittance: what passes straight through, as through a thin sheet of clear glass and from either side, in
             [0, 1], the same in all bands.
         texture: an image that multiplies ``reflectance``, with a place on it for each vertex.
+        metallic: what of ``reflectance`` is of a rough metal, in [0, 1]. The solve takes it for diffuse; pictures of
+            mode "gather" or "path" show its lobe (GGX; Walter et al. 2007) where a camera looks at it, which reflects
+            that part of ``reflectance`` at right angles.
+        roughness: of the metal, from 0, a mirror, to 1; the width of the lobe is its square, as in glTF.
     """
 
     vertices: npt.ArrayLike
@@ -91,6 +95,8 @@ class Surface:
     specular: npt.ArrayLike = 0.0
     transmittance: npt.ArrayLike = 0.0
     texture: Texture | None = None
+    metallic: float = 0.0
+    roughness: float = 1.0
 
     def __post_init__(self) -> None:
         vertices, faces = np.asarray(self.vertices, dtype=np.float64), np.asarray(self.faces)
@@ -303,12 +309,12 @@ class Scene:
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
              _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
              _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s),
-             None if s.texture is None else s.texture._native())
+             None if s.texture is None else s.texture._native(), (float(s.metallic), float(s.roughness)))
             for s in self.surfaces
         ]  # fmt: skip
         obstructions: list[_native._SurfaceIn] = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
-             [0.0] * n, [0.0] * n, False, 0.0, 0.0, None)
+             [0.0] * n, [0.0] * n, False, 0.0, 0.0, None, (0.0, 1.0))
             for s in self.obstructions
         ]  # fmt: skip
         lights, cameras = [light._tuple(n) for light in self.lights], [camera._tuple() for camera in self.cameras]
@@ -374,9 +380,9 @@ class Scene:
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:
-    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, texture = fields
+    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, texture, gloss = fields
     return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance,
-                   Texture._from_native(texture))  # fmt: skip
+                   Texture._from_native(texture), *gloss)  # fmt: skip
 
 
 def _trim(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]:

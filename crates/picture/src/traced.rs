@@ -3,17 +3,19 @@
 use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
+use radiosity_exchange::enclosure::Sight;
 use radiosity_exchange::images::survival;
 use radiosity_geometry::Patches;
 use radiosity_geometry::bvh::{Hit, Ray};
 use radiosity_geometry::sampling::Sequence;
 use radiosity_operator::{Cancelled, Control};
-use radiosity_paths::{Effort, Means, Rounds, Start, Tracer, Walk};
+use radiosity_paths::{Effort, Means, Rounds, Start, Tracer, Walk, Way};
 use radiosity_scene::Camera;
 use rayon::prelude::*;
 
 use crate::Image;
 use crate::beyond::{Beyond, Shown};
+use crate::metals::{Choice, Metal};
 use crate::render::{offsets, side_of};
 use crate::view::{Frame, Visible};
 
@@ -145,6 +147,9 @@ const STREAM: u32 = 9;
 /// The stream of the sequence that chooses what is seen in mirrors and through panes.
 const SPECULAR: u32 = 10;
 
+/// The same from rough metals on.
+const SPECULAR_IN_METALS: u32 = 12;
+
 /// A rectangle of the picture.
 struct Tile {
     left: usize,
@@ -219,9 +224,49 @@ struct Buffers {
     starts: Vec<Start>,
     /// The pixel within the tile and the side that each path starts for, and what it weighs.
     owners: Vec<(u32, u32, f32)>,
+    /// What each of them weighs besides in each band, starts x bands.
+    tints: Vec<f32>,
     irradiance: Vec<f32>,
     pixels: Vec<f64>,
     walk: Walk,
+    /// How many rays follow the lobes of metals.
+    rays_in_metals: u64,
+}
+
+impl Buffers {
+    fn clear(&mut self) {
+        self.starts.clear();
+        self.owners.clear();
+        self.tints.clear();
+        self.rays_in_metals = 0;
+    }
+
+    /// Has a path start for a pixel from a side.
+    fn push(&mut self, start: Start, (pixel, seen): (usize, &Seen), bands: usize, tint: impl Fn(usize) -> f64) {
+        self.starts.push(start);
+        self.owners.push((pixel as u32, seen.side as u32, seen.weight as f32));
+        self.tints.extend((0..bands).map(|band| tint(band) as f32));
+    }
+}
+
+/// What a ray shows of a side.
+#[derive(Clone, Copy)]
+struct Seen {
+    weight: f64,
+    side: usize,
+    /// Just off the side.
+    point: DVec3,
+    /// The way that the ray came along last.
+    direction: DVec3,
+}
+
+/// A point that is seen: for which pixel, and by which key and number of points.
+#[derive(Clone, Copy)]
+struct Point {
+    seen: Seen,
+    pixel: usize,
+    key: u32,
+    index: u32,
 }
 
 impl Film<'_> {
@@ -238,7 +283,7 @@ impl Film<'_> {
             buffers.irradiance.resize(buffers.starts.len() * self.tracer.bands(), 0.0);
             buffers.walk.irradiance(self.tracer, &buffers.starts, round, &mut buffers.irradiance);
             self.reflect(buffers);
-            tile.rays += buffers.rays.len() as u64;
+            tile.rays += buffers.rays.len() as u64 + buffers.rays_in_metals;
         }
         tile.rays += buffers.walk.rays_traced - before;
         tile.means.add(&buffers.pixels);
@@ -278,30 +323,102 @@ impl Film<'_> {
 
     /// Adds what surfaces emit that were seen, and has paths start from them.
     fn begin(&self, buffers: &mut Buffers, tile: &Tile, pixels: std::ops::Range<usize>, round: u32) {
-        let (enclosure, bands, points) = (self.tracer.enclosure(), self.tracer.bands(), self.points() as usize);
-        buffers.starts.clear();
-        buffers.owners.clear();
-        let seen = buffers.rays.chunks_exact(points).zip(buffers.hits.chunks_exact(points));
-        for (pixel, (rays, hits)) in pixels.zip(seen) {
+        let points = self.points() as usize;
+        buffers.clear();
+        for (k, pixel) in pixels.enumerate() {
             let key = self.key(self.place(tile, pixel));
             let sequence = Sequence::new(self.tracer.seed(), key, round, SPECULAR);
-            for ((ray, hit), index) in rays.iter().zip(hits).zip(0..) {
-                let seen = self.seen(ray, hit, |met| survival(&sequence, index, met));
-                let Some((weight, side, point)) = seen else { continue };
-                if let Surfaces::Radiance { emission, reflectance } = self.surfaces {
-                    let sums = &mut buffers.pixels[pixel * bands..][..bands];
-                    let scale = weight * FRAC_1_PI / points as f64;
-                    sums.iter_mut().zip(&emission[side * bands..]).for_each(|(sum, &e)| *sum += scale * f64::from(e));
-                    if reflectance[side * bands..][..bands].iter().all(|&rho| rho == 0.0) {
-                        continue;
-                    }
+            for index in 0..points {
+                let (ray, hit) = (buffers.rays[k * points + index], buffers.hits[k * points + index]);
+                let index = index as u32;
+                if let Some(seen) = self.seen(&ray, &hit, |met| survival(&sequence, index, met)) {
+                    self.begin_at(buffers, Point { seen, pixel, key, index }, round);
                 }
-                let start = Start { point, normal: enclosure.normal(side), key, index: 0 };
-                let indices = (0..self.paths).map(|path| index * self.paths + path);
-                buffers.starts.extend(indices.map(|index| Start { index, ..start }));
-                buffers.owners.extend((0..self.paths).map(|_| (pixel as u32, side as u32, weight as f32)));
             }
         }
+    }
+
+    /// Adds what is emitted at a point that is seen, and has paths start from it.
+    fn begin_at(&self, buffers: &mut Buffers, point: Point, round: u32) {
+        let Point { seen, pixel, key, index } = point;
+        let bands = self.tracer.bands();
+        let mut metal = None;
+        if let Surfaces::Radiance { reflectance, .. } = self.surfaces {
+            self.add_emission(buffers, (pixel, &seen), f64::from(self.points()), |_| 1.0);
+            if reflectance[seen.side * bands..][..bands].iter().all(|&rho| rho == 0.0) {
+                return;
+            }
+            metal = Metal::new(self.tracer, seen.side, seen.point, seen.direction);
+        }
+        if let Some(metal) = metal {
+            return self.begin_at_metal(buffers, &metal, point, round);
+        }
+        for path in 0..self.paths {
+            let start = self.start(&seen, key, index * self.paths + path);
+            buffers.push(start, (pixel, &seen), bands, |_| 1.0);
+        }
+    }
+
+    fn start(&self, seen: &Seen, key: u32, index: u32) -> Start {
+        Start { point: seen.point, normal: self.tracer.enclosure().normal(seen.side), key, index }
+    }
+
+    /// Adds the radiance that a side emits, as one of so many that are seen in a pixel.
+    fn add_emission(&self, buffers: &mut Buffers, (pixel, seen): (usize, &Seen), of: f64, tint: impl Fn(usize) -> f64) {
+        let Surfaces::Radiance { emission, .. } = self.surfaces else { return };
+        let bands = self.tracer.bands();
+        let (sums, own) = (&mut buffers.pixels[pixel * bands..][..bands], &emission[seen.side * bands..]);
+        for (band, (sum, &e)) in sums.iter_mut().zip(own).enumerate() {
+            *sum += seen.weight * FRAC_1_PI / of * tint(band) * f64::from(e);
+        }
+    }
+
+    /// Has the paths from a point of a metal go on by its lobe, or start from it as from other sides.
+    fn begin_at_metal(&self, buffers: &mut Buffers, metal: &Metal, point: Point, round: u32) {
+        let Surfaces::Radiance { reflectance, .. } = self.surfaces else { return };
+        let Point { seen, pixel, key, index } = point;
+        let (tracer, bands) = (self.tracer, self.tracer.bands());
+        let f0 = self.reflectance_at(seen.side, seen.point, reflectance);
+        let tint = |way: Way| move |band: usize| way.fresnel(f64::from(f0(band)));
+        let sums = &mut buffers.pixels[pixel * bands..][..bands];
+        metal.add_highlights(tracer, f0, seen.weight / f64::from(self.points()), sums);
+        let sequence = Sequence::new(tracer.seed(), key, round, SPECULAR_IN_METALS);
+        let each = f64::from(self.points() * self.paths);
+        for index in (0..self.paths).map(|path| index * self.paths + path) {
+            if let Some((side, weight, way)) = metal.lamp(tracer, (key, index), round) {
+                let lamp = Seen { side, weight: seen.weight * weight, ..seen };
+                self.add_emission(buffers, (pixel, &lamp), each, tint(way));
+            }
+            let here = self.start(&seen, key, index);
+            match metal.choose(tracer, (key, index), round) {
+                Choice::Paint => buffers.push(here, (pixel, &seen), bands, |_| 1.0),
+                Choice::Spread(way) => buffers.push(here, (pixel, &seen), bands, tint(way)),
+                Choice::Along(way) => {
+                    buffers.rays_in_metals += 1;
+                    let ray = tracer.enclosure().ray(seen.point, way.direction);
+                    let Some(there) = self.seen_on(ray, |met| survival(&sequence, index, met)) else { continue };
+                    let there = Seen { weight: seen.weight * there.weight, ..there };
+                    let glow = there.weight * metal.weight(tracer, &way, (there.side, there.point));
+                    self.add_emission(buffers, (pixel, &Seen { weight: glow, ..there }), each, tint(way));
+                    buffers.push(self.start(&there, key, index), (pixel, &there), bands, tint(way));
+                }
+            }
+        }
+    }
+
+    /// What a ray from a surface shows.
+    fn seen_on(&self, ray: Ray, survival: impl Fn(u32) -> f64) -> Option<Seen> {
+        let enclosure = self.tracer.enclosure();
+        if let Some(beyond) = &self.beyond {
+            return match beyond.along(ray, |side| self.is_dark(side), survival)? {
+                (weight, Shown::Side { side, point, direction, .. }) => Some(Seen { weight, side, point, direction }),
+                (_, Shown::Nothing) => None,
+            };
+        }
+        let hit = enclosure.bvh().closest_hit(&ray);
+        let Sight::Side(side, s, t) = enclosure.sight(ray.direction, &hit) else { return None };
+        let (side, direction) = (side as usize, ray.direction.as_dvec3());
+        Some(Seen { weight: 1.0, side, point: enclosure.point_off(side, s, t), direction })
     }
 
     /// Whether a side neither emits nor reflects diffusely.
@@ -316,19 +433,22 @@ impl Film<'_> {
         }
     }
 
-    /// What a ray shows of a side, the side and the point just off it.
-    fn seen(&self, ray: &Ray, hit: &Hit, survival: impl Fn(u32) -> f64) -> Option<(f64, usize, DVec3)> {
+    /// What a ray of the camera shows of a side.
+    fn seen(&self, ray: &Ray, hit: &Hit, survival: impl Fn(u32) -> f64) -> Option<Seen> {
         let enclosure = self.tracer.enclosure();
         let facet = self.visible.facet(hit)?;
         let (patch, on) = (facet.patch as usize, facet.point(self.patches, hit));
-        let side = side_of(enclosure, &facet);
+        let (side, direction) = (side_of(enclosure, &facet), ray.direction.as_dvec3());
         let first = side.map(|side| (side, enclosure.off(side, on)));
         match self.beyond.filter(|beyond| beyond.is_of(patch)) {
-            None => first.map(|(side, point)| (1.0, side, point)),
+            None => first.map(|(side, point)| Seen { weight: 1.0, side, point, direction }),
             Some(beyond) => {
-                let first = first.map(|(side, point)| Shown::Side { side, point, corners: facet.corner_weights(hit) });
+                let corners = facet.corner_weights(hit);
+                let first = first.map(|(side, point)| Shown::Side { side, point, corners, direction });
                 match beyond.one((patch, first), (on, ray.direction), |side| self.is_dark(side), survival)? {
-                    (weight, Shown::Side { side, point, .. }) => Some((weight, side, point)),
+                    (weight, Shown::Side { side, point, direction, .. }) => {
+                        Some(Seen { weight, side, point, direction })
+                    }
                     (_, Shown::Nothing) => None,
                 }
             }
@@ -337,7 +457,12 @@ impl Film<'_> {
 
     /// What a side reflects diffusely in each band at a point of it: of those that are given for whole sides, unless it
     /// has a texture.
-    fn reflectance_at<'a>(&'a self, side: usize, point: DVec3, of_sides: &'a [f32]) -> impl Fn(usize) -> f32 + 'a {
+    fn reflectance_at<'a>(
+        &'a self,
+        side: usize,
+        point: DVec3,
+        of_sides: &'a [f32],
+    ) -> impl Fn(usize) -> f32 + Copy + 'a {
         let texture = self.tracer.texture_at(side, point);
         let own = &of_sides[side * self.tracer.bands()..];
         move |band| texture.map_or_else(|| own[band], |values| values.band(band))
@@ -348,7 +473,8 @@ impl Film<'_> {
         let bands = self.tracer.bands();
         let share = 1.0 / f64::from(self.points() * self.paths);
         let found = buffers.starts.iter().zip(buffers.irradiance.chunks_exact(bands));
-        for (&(pixel, side, weight), (start, found)) in buffers.owners.iter().zip(found) {
+        let found = found.zip(buffers.tints.chunks_exact(bands));
+        for (&(pixel, side, weight), ((start, found), tint)) in buffers.owners.iter().zip(found) {
             let sums = &mut buffers.pixels[pixel as usize * bands..][..bands];
             let share = share * f64::from(weight);
             match self.surfaces {
@@ -358,7 +484,7 @@ impl Film<'_> {
                 Surfaces::Radiance { reflectance, .. } => {
                     let rho = self.reflectance_at(side as usize, start.point, reflectance);
                     for (band, (sum, &h)) in sums.iter_mut().zip(found).enumerate() {
-                        *sum += share * FRAC_1_PI * f64::from(rho(band)) * f64::from(h);
+                        *sum += share * FRAC_1_PI * f64::from(rho(band) * tint[band]) * f64::from(h);
                     }
                 }
             }

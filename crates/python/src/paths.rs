@@ -10,7 +10,7 @@ use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use radiosity_geometry::corners::CREASE_ANGLE;
-use radiosity_paths::{Effort, Exitance, Light, Measured, Tracer};
+use radiosity_paths::{Effort, Exitance, Gloss, Light, Measured, Tracer};
 use radiosity_picture::{Sheets, Smoother, Surfaces, TraceSettings, Traced};
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -84,6 +84,17 @@ fn enclosure_of(sheets: Sheets, going_on: Option<&[Vec<f64>; 2]>) -> radiosity_e
     }
 }
 
+/// What of the reflectance of (n,) patches is of rough metals, and how rough they are: (n, 2).
+fn gloss_in(array: Option<PyReadonlyArray2<'_, f64>>, n: usize) -> PyResult<Option<Gloss>> {
+    let Some(array) = array else { return Ok(None) };
+    let values = convert::block_in(&array, n, 2, "gloss")?;
+    if !values.iter().all(|value| (0.0..=1.0).contains(value)) {
+        return Err(PyValueError::new_err("metallic and roughness lie in [0, 1]"));
+    }
+    let part = |k: usize| values.iter().skip(k).step_by(2).map(|&value| value as f32).collect();
+    Ok(Some(Gloss { metallic: part(0), roughness: part(1) }))
+}
+
 fn traced_out(py: Python<'_>, traced: Traced) -> PyResult<TracedOut<'_>> {
     let (image, error) = (image_out(py, traced.image)?, image_out(py, traced.standard_error)?);
     Ok((image, error, traced.rounds.samples, traced.rounds.error, traced.rays))
@@ -93,7 +104,7 @@ fn traced_out(py: Python<'_>, traced: Traced) -> PyResult<TracedOut<'_>> {
 /// their own. The standard error is NaN: samples of a pixel come as one set.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, irradiance, radiosity, lights, camera, width, height, samples, show,
-                    seed, going_on=None, threads=None, progress=None, textures=None))]
+                    seed, going_on=None, threads=None, progress=None, textures=None, gloss=None))]
 fn gather<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -112,6 +123,7 @@ fn gather<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
     textures: Option<PyRef<'py, Textures>>,
+    gloss: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<TracedOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -121,7 +133,7 @@ fn gather<'py>(
     let radiosity = convert::block_in(&radiosity, n, bands, "radiosity")?;
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
     check_whole(&reflectance, bands, going_on.as_ref())?;
-    let textures = textures_in(textures, n)?;
+    let (textures, gloss) = (textures_in(textures, n)?, gloss_in(gloss, n)?);
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     shown(show, &[], &[])?;
     let settings = TraceSettings {
@@ -138,8 +150,10 @@ fn gather<'py>(
         let exitance = Exitance::Corners(sheets.corners_of_sides(&given, &corners, bands));
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
         let textures = textures.map(|textures| textures.picked(&sheets.patch_of_side));
+        let gloss = gloss.map(|gloss| gloss.picked(&sheets.patch_of_side));
         let enclosure = enclosure_of(sheets, going_on.as_ref());
-        let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed).with_textures(textures);
+        let tracer =
+            Tracer::gather(&enclosure, bands, exitance, lights, seed).with_textures(textures).with_gloss(gloss);
         let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
         radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
     })?;
@@ -150,7 +164,7 @@ fn gather<'py>(
 /// the most.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, lights, camera, width, height, samples, accuracy, show, seed,
-                    going_on=None, threads=None, progress=None, textures=None))]
+                    going_on=None, threads=None, progress=None, textures=None, gloss=None))]
 fn path_trace<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -168,6 +182,7 @@ fn path_trace<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
     textures: Option<PyRef<'py, Textures>>,
+    gloss: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<TracedOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -175,7 +190,7 @@ fn path_trace<'py>(
     let reflectance = reflectance_in(&reflectance, n, bands)?;
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
     check_whole(&reflectance, bands, going_on.as_ref())?;
-    let textures = textures_in(textures, n)?;
+    let (textures, gloss) = (textures_in(textures, n)?, gloss_in(gloss, n)?);
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     let effort = effort_in(samples, accuracy)?;
     shown(show, &[], &[])?;
@@ -184,10 +199,11 @@ fn path_trace<'py>(
         let sheets = Sheets::new(&given);
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
         let textures = textures.map(|textures| textures.picked(&sheets.patch_of_side));
+        let gloss = gloss.map(|gloss| gloss.picked(&sheets.patch_of_side));
         let enclosure = enclosure_of(sheets, going_on.as_ref());
         let exitance = Exitance::Uniform(emission.clone());
         let tracer = Tracer::paths(&enclosure, bands, exitance, reflectance.clone(), lights, seed);
-        let tracer = tracer.with_textures(textures);
+        let tracer = tracer.with_textures(textures).with_gloss(gloss);
         let surfaces = shown(show, &emission, &reflectance).expect("it was checked above");
         radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)
     })?;

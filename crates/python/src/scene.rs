@@ -7,7 +7,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use radiosity_scene::meshing::{self, Contacts, Meshing};
-use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Texture, Unit, builtin as builtins};
+use radiosity_scene::{
+    Camera, Gloss, Light, LoadOptions, Material, Severity, Surface, Texture, Unit, builtin as builtins,
+};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -21,7 +23,10 @@ pub struct Scene {
 type TextureOut<'py> = Option<(Raster, Bound<'py, PyArray2<f64>>)>;
 type TextureIn<'py> = Option<(Py<Raster>, PyReadonlyArray2<'py, f64>)>;
 
-/// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance; texture.
+/// Metallic and roughness.
+type GlossTuple = (f64, f64);
+
+/// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance; texture, gloss.
 type SurfaceOut<'py> = (
     String,
     Bound<'py, PyArray2<f64>>,
@@ -33,6 +38,7 @@ type SurfaceOut<'py> = (
     f64,
     f64,
     TextureOut<'py>,
+    GlossTuple,
 );
 type SurfaceIn<'py> = (
     String,
@@ -45,6 +51,7 @@ type SurfaceIn<'py> = (
     f64,
     f64,
     TextureIn<'py>,
+    GlossTuple,
 );
 
 /// kind, name, position, direction, inner and outer angle, strength.
@@ -229,13 +236,12 @@ fn surface_out<'py>(py: Python<'py>, s: &Surface) -> SurfaceOut<'py> {
             let coordinates = texture.coordinates.as_flattened().to_vec();
             (Raster { inner: texture.image.clone() }, convert::block_out(py, coordinates, 2))
         }),
+        (m.gloss.metallic, m.gloss.roughness),
     )
 }
 
 fn surface_in(
-    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, texture): SurfaceIn<
-        '_,
-    >,
+    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, texture, gloss): SurfaceIn<'_>,
 ) -> PyResult<Surface> {
     let view = faces.as_array();
     if !(view.ncols() == 3 || view.ncols() == 4) {
@@ -254,7 +260,9 @@ fn surface_in(
         .map(|f| Ok([index(f, 0)?, index(f, 1)?, index(f, 2)?, index(f, 3)?]))
         .collect::<PyResult<_>>()?;
     let vertices = convert::points_in(&vertices, &format!("vertices of surface '{name}'"))?;
-    let material = Material { name: material, reflectance, emission, specular, transmittance, two_sided };
+    let (metallic, roughness) = gloss;
+    let gloss = Gloss { metallic, roughness };
+    let material = Material { name: material, reflectance, emission, specular, transmittance, two_sided, gloss };
     let texture = texture.map(|(image, coordinates)| {
         let coordinates = coordinates.as_array().rows().into_iter().map(|row| [row[0], row[1]]).collect();
         Texture { image: image.get().inner.clone(), coordinates }

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use self::overlaps::{corner_key, duplicate_faces};
-use crate::model::{Camera, Face, Finding, Light, MOST_PLACES, Scene, SceneError, Severity, Surface, Texture};
+use crate::model::{Camera, Face, Finding, Gloss, Light, MOST_PLACES, Scene, SceneError, Severity, Surface, Texture};
 use crate::quad::{self, Shape};
 
 /// Above this reflectance solutions need hundreds of bounces and small errors grow.
@@ -135,6 +135,7 @@ fn optics_findings(scene: &Scene) -> Vec<Finding> {
         reflectances(scene, surface, &mut found);
         textures(scene, surface, &mut found);
         speculars(scene, surface, &mut found);
+        gloss(surface, &mut found);
         emissions(scene, surface, &mut found);
         lamp_without_area(surface, &mut found);
         found[before..].iter_mut().for_each(|finding| finding.place.surface = Some(index as u32));
@@ -360,6 +361,16 @@ fn speculars(scene: &Scene, surface: &Surface, found: &mut Vec<Finding>) {
         let message = "it emits, and all that meets it goes on: nothing of it is left to emit; lower its specular or \
                        transmittance";
         found.push(Finding::error("specular-lamp", named(surface), message));
+    }
+}
+
+fn gloss(surface: &Surface, found: &mut Vec<Finding>) {
+    let Gloss { metallic, roughness } = surface.material.gloss;
+    for (what, value) in [("metallic", metallic), ("roughness", roughness)] {
+        if !(0.0..=1.0).contains(&value) {
+            let message = format!("its {what} is {value}; it must be at least 0 and at most 1");
+            found.push(Finding::error("gloss-range", named(surface), message));
+        }
     }
 }
 

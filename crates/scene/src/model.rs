@@ -89,6 +89,24 @@ pub struct Material {
     pub transmittance: f64,
     /// Whether both sides reflect and emit; otherwise the back is black, and opaque but for what passes.
     pub two_sided: bool,
+    /// Its metal, if it has any.
+    pub gloss: Gloss,
+}
+
+/// What of a diffuse reflectance is really the lobe of a rough metal. The solve takes it for diffuse; traced pictures show
+/// it where a camera looks at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gloss {
+    /// The part of the reflectance, in [0, 1].
+    pub metallic: f64,
+    /// From 0, a mirror, to 1.
+    pub roughness: f64,
+}
+
+impl Default for Gloss {
+    fn default() -> Self {
+        Self { metallic: 0.0, roughness: 1.0 }
+    }
 }
 
 /// A light without area.

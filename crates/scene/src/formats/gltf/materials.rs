@@ -12,7 +12,7 @@ use crate::formats::colour::{self, UNKNOWN_REFLECTANCE, times};
 use crate::formats::folder::Folder;
 use crate::formats::names::Roll;
 use crate::formats::texture::{Mean, NO_ROOM};
-use crate::model::{Finding, Material, SceneError, Texture};
+use crate::model::{Finding, Gloss, Material, SceneError, Texture};
 
 /// The materials of a file, each read when first met.
 pub(super) struct Materials<'a> {
@@ -36,6 +36,7 @@ struct Optics {
     two_sided: bool,
     /// The image that goes with the diffuse reflectance in place of its mean.
     painted: Option<Painted>,
+    gloss: Gloss,
 }
 
 /// What is reflected diffusely, as from a mirror, and let through.
@@ -44,6 +45,7 @@ struct Parts {
     mirrored: [f64; 3],
     passed: [f64; 3],
     painted: Option<Painted>,
+    gloss: Gloss,
 }
 
 /// The greatest roughness of mirrors and clear glass: its square, the width of the lobe (Walter et al. 2007), is then
@@ -84,7 +86,7 @@ impl<'a> Materials<'a> {
         let transmittance = self.grey(times(optics.passed, tint), &optics.name);
         let material =
             Material::new(optics.name, &reflectance, &optics.emission).with_specular(specular, transmittance);
-        Ok((self.limited(Material { two_sided: optics.two_sided, ..material }), texture))
+        Ok((self.limited(Material { two_sided: optics.two_sided, gloss: optics.gloss, ..material }), texture))
     }
 
     /// The image of a material and where the vertices of a primitive are on it.
@@ -142,6 +144,7 @@ impl<'a> Materials<'a> {
             emission: [0.0; 3],
             two_sided: false,
             painted: None,
+            gloss: Gloss::default(),
         }
     }
 
@@ -162,9 +165,9 @@ impl<'a> Materials<'a> {
         let root = self.document.root;
         let source = &root.materials[index];
         let name = source.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {index}"));
-        let Parts { reflectance, mirrored, passed, painted } = self.parts(source, &name)?;
+        let Parts { reflectance, mirrored, passed, painted, gloss } = self.parts(source, &name)?;
         let emission = self.emission(source, &name)?;
-        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided: source.double_sided, painted })
+        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided: source.double_sided, painted, gloss })
     }
 
     fn fail(&self, name: &str, message: impl Into<String>) -> SceneError {
@@ -186,26 +189,31 @@ impl<'a> Materials<'a> {
                 self.warn_of_transparency(name);
             }
             let (reflectance, painted) = self.diffuse(rgb(glossy.diffuse_factor.0), source, name)?;
-            return Ok(Parts { reflectance, mirrored: [0.0; 3], passed: [0.0; 3], painted });
+            let gloss = Gloss::default();
+            return Ok(Parts { reflectance, mirrored: [0.0; 3], passed: [0.0; 3], painted, gloss });
         }
         let pbr = &source.pbr_metallic_roughness;
         let (base, painted) = self.diffuse(rgb(pbr.base_color_factor.0), source, name)?;
         let metallic = self.metallic(pbr, name)?;
-        let is_smooth = (metallic > NOISE || wanted > NOISE) && self.roughness(pbr, name)? <= SMOOTH;
+        let asks = metallic > NOISE || wanted > NOISE;
+        let roughness = if asks { self.roughness(pbr, name)? } else { 1.0 };
+        let is_smooth = asks && roughness <= SMOOTH;
+        let mut gloss = Gloss::default();
         if metallic > NOISE && !is_smooth {
-            let message = "of metals rougher than 0.1 only base colour x (1 - metallic) is left; set metallic to 0, for \
-                           glTF's default is 1, or lower the roughness of mirrors";
-            self.roll.warn("metallic-material", "material", name, message);
+            gloss = Gloss { metallic: metallic.clamp(0.0, 1.0), roughness: roughness.clamp(0.0, 1.0) };
+            let message = "metals rougher than 0.1 are diffuse in the solve, and their gloss shows where pictures of mode \
+                           gather or path look at them; set metallic to 0 if paint is meant, for glTF's default is 1";
+            self.roll.note("metallic-material", "material", name, message);
         }
         if blends || (wanted > NOISE && !is_smooth) {
             self.warn_of_transparency(name);
         }
         let (mirrors, passes) = if is_smooth { (metallic, wanted) } else { (0.0, 0.0) };
         let part = |share: f64| base.map(|c| c * share);
-        let diffuse = (1.0 - metallic) * (1.0 - passes);
+        let diffuse = if gloss.metallic > 0.0 { 1.0 } else { (1.0 - metallic) * (1.0 - passes) };
         let (mirrored, passed) = (part(mirrors), part((1.0 - metallic) * passes));
         let painted = painted.filter(|_| diffuse > 0.0).map(|painted| painted.dimmed(diffuse));
-        Ok(Parts { reflectance: part(diffuse), mirrored, passed, painted })
+        Ok(Parts { reflectance: part(diffuse), mirrored, passed, painted, gloss })
     }
 
     /// The share of light that enters and passes; the texture keeps it in its red channel.

@@ -9,7 +9,7 @@ use super::*;
 use crate::formats::colour;
 use crate::formats::texture::tests::two_colour_png;
 use crate::formats::{LoadOptions, Unit};
-use crate::model::{Light, Severity};
+use crate::model::{Gloss, Light, Severity};
 
 fn parsed(glb: &Glb) -> Scene {
     try_parse(&glb.to_bytes()).unwrap()
@@ -423,11 +423,14 @@ fn rounding_beyond_0_and_1_is_forgiven() {
 }
 
 #[test]
-fn metals_keep_their_diffuse_part() {
+fn rough_metals_are_diffuse_and_keep_their_gloss() {
     let mut glb = Glb::square();
-    glb.json["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(0.75);
+    let pbr = &mut glb.json["materials"][0]["pbrMetallicRoughness"];
+    (pbr["metallicFactor"], pbr["roughnessFactor"]) = (json!(0.75), json!(0.5));
     let scene = parsed(&glb);
-    assert!(close(&scene.surfaces[0].material.reflectance, &[0.125, 0.15, 0.175]));
+    let material = &scene.surfaces[0].material;
+    assert!(close(&material.reflectance, &[0.5, 0.6, 0.7]));
+    assert_eq!((material.gloss, material.specular), (Gloss { metallic: 0.75, roughness: 0.5 }, 0.0));
     assert_eq!(codes(&scene), ["metallic-material"]);
 }
 
