@@ -411,7 +411,8 @@ def load(path: str | os.PathLike[str], *, unit: str = "m", two_sided: bool | Non
 
     Surfaces of an ``.obj`` file are two-sided unless told otherwise. Those of ``.stl``, ``.ply`` and ``.vs3`` are
     one-sided, with the front that the order of corners says; the first two have no materials, and reflectance 0.5 is
-    taken. A ``.vs3`` file may also fill ``obstructions``, ``combined`` and ``hints``.
+    taken. A ``.vs3`` file may also fill ``obstructions``, ``combined`` and ``hints``. Images of base colours become
+    textures, up to 512 MiB a file; other images count by their mean.
 
     Args:
         path: the file.
