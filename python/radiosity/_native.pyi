@@ -29,11 +29,25 @@ _FindingTuple = tuple[Any, str, str, str, int | None, _Indices, _Floats, _Floats
 # image and (n_vertices, 2) texture coordinates
 _Texture = tuple[Raster, _Floats] | None
 # name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance, diffuse
-# transmittance or nothing; texture
+# transmittance or nothing; texture; metallic and roughness
+_Gloss = tuple[float, float]
 _SurfaceIn = tuple[
-    str, _Floats, npt.NDArray[np.int64], str, list[float], list[float], bool, float, float, list[float], _Texture
+    str,
+    _Floats,
+    npt.NDArray[np.int64],
+    str,
+    list[float],
+    list[float],
+    bool,
+    float,
+    float,
+    list[float],
+    _Texture,
+    _Gloss,
 ]
-_SurfaceOut = tuple[str, _Floats, _Indices, str, list[float], list[float], bool, float, float, list[float], _Texture]
+_SurfaceOut = tuple[
+    str, _Floats, _Indices, str, list[float], list[float], bool, float, float, list[float], _Texture, _Gloss
+]
 
 class SceneError(ValueError):
     """A scene that cannot be read, meshed or lit."""
@@ -429,6 +443,7 @@ def gather(
     progress: _Progress | None = None,
     diffuse_transmittance: _Floats | None = None,
     textures: Textures | None = None,
+    gloss: _Floats | None = None,
 ) -> tuple[_Pixels, float, int]: ...
 def path_trace(
     patches: Patches,
@@ -447,6 +462,7 @@ def path_trace(
     progress: _Progress | None = None,
     diffuse_transmittance: _Floats | None = None,
     textures: Textures | None = None,
+    gloss: _Floats | None = None,
 ) -> tuple[_Pixels, _Pixels, int, float, int]: ...
 
 # irradiance and its standard error, samples, relative error, rays

@@ -45,6 +45,7 @@ class LitModel:
         report: the report of the solve as a dictionary.
         reflectance: (n, bands) diffuse reflectance of the patches; None if all of a surface have that of the surface.
         textures: those of the patches; a file does not keep them.
+        gloss: (n, 2) what of the reflectance is of a rough metal, and how rough it is; a file does not keep it.
     """
 
     patches: _native.Patches
@@ -59,6 +60,7 @@ class LitModel:
     report: dict[str, Any]
     reflectance: Floats | None = None
     textures: _native.Textures | None = None
+    gloss: Floats | None = None
 
     @classmethod
     def of(cls, solution: Solution) -> LitModel:
@@ -173,6 +175,7 @@ def _light_of(solution: Solution, back: npt.NDArray[np.intp]) -> dict[str, Any]:
     return {
         "reflectance": solution.reflectance[sides],
         "textures": solution.patches._textures_in(solution.reflectance, sides),
+        "gloss": None if solution.patches._gloss is None else solution.patches._gloss[sides],
         "lights": lights,
         "surfaces": surfaces,
         "emission": np.concatenate([solution.emission, solution.emission[back]]),

@@ -103,6 +103,13 @@ class Patches:
         shows: npt.NDArray[np.bool_] = np.all(reflectance == self.reflectance, axis=1)
         return self._textures.picked(chosen.astype(np.uint32), shows[chosen])
 
+    @cached_property
+    def _gloss(self) -> Floats | None:
+        """(n, 2) what of the reflectance is of a rough metal, and how rough it is; None where there is none."""
+        if not any(s.metallic for s in self.scene.surfaces):
+            return None
+        return np.array([(s.metallic, s.roughness) for s in self.scene.surfaces], dtype=float)[self.surface]
+
     def _mean_reflectance(self) -> list[list[float]]:
         """Of each surface; of those with a texture, the mean over their patches by area."""
         bands = len(self.scene.bands)

@@ -133,7 +133,7 @@ def path_trace(
         optics.patches, optics.emission, optics.reflectance, optics.lights, camera._tuple(), width, height,
         samples_or_default(samples, accuracy), accuracy, "radiance" if show == "radiosity" else show,
         whole(seed, "seed", 0, 2**64 - 1), optics.going_on, threads_or_all(threads), progress, optics.through,
-        optics.textures,
+        optics.textures, optics.gloss,
     )  # fmt: skip
     return PathTraced(image, error, Effort(taken, rays, time.monotonic() - start, relative, accuracy))
 
@@ -208,6 +208,7 @@ class _Optics(NamedTuple):
     cameras: list[Camera]
     through: Floats | None
     textures: _native.Textures | None
+    gloss: Floats | None
 
     @property
     def parts(self) -> tuple[Floats | None, Floats | None]:
@@ -222,7 +223,7 @@ def _optics(scene: Source) -> _Optics:
         emitted, lamps = np.ascontiguousarray(scene.emission), scene.lights or []
         return _Optics(
             scene.patches, emitted, scene._reflectance, scene._going_on, lamps, scene.cameras, scene._through,
-            scene.textures,
+            scene.textures, scene.gloss,
         )  # fmt: skip
     if isinstance(scene, Solution):
         patches, whole_scene = scene.patches, scene.patches.scene
@@ -236,4 +237,6 @@ def _optics(scene: Source) -> _Optics:
     blocks = np.ascontiguousarray(emission), np.ascontiguousarray(reflectance)
     going_on = np.ascontiguousarray(patches._going_on) if patches.is_specular else None
     textures = patches._textures_in(reflectance)
-    return _Optics(patches._native, *blocks, going_on, lights, whole_scene.cameras, patches._through, textures)
+    return _Optics(
+        patches._native, *blocks, going_on, lights, whole_scene.cameras, patches._through, textures, patches._gloss
+    )  # fmt: skip

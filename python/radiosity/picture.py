@@ -73,7 +73,8 @@ def render(
         threads, progress: as in :func:`radiosity.solve`.
         seed: of all but "smooth" and "patches": the same seed gives the same bytes.
 
-    Textures show in all modes but "patches". Relighting a surface with other paint covers its texture.
+    Textures show in all modes but "patches". Relighting a surface with other paint covers its texture. "gather" and
+    "path" show the gloss of rough metals where the camera looks at them, other modes take it for diffuse.
 
     Radiance is also seen in mirrors and through clear glass. "smooth" and "patches" follow both ways of every ray, by
     at most 64 mirrors and panes and while more than 1/4096 of it is left, and show black beyond; other modes
@@ -152,6 +153,7 @@ def _gather(
         (camera or default_camera(model))._tuple(), width, height,
         whole(samples, "samples", 1, 1 << 24), "radiance" if show == "radiosity" else show,
         whole(seed, "seed", 0, 2**64 - 1), model._going_on, threads, progress, model._through, model.textures,
+        model.gloss,
     )[0]  # fmt: skip
 
 

@@ -82,6 +82,10 @@ class Surface:
         diffuse_transmittance: what leaves the other side diffusely, as of paper and leaves and from either side, in
             [0, 1), a number or one per band. A surface that has any is two-sided.
         texture: an image that multiplies ``reflectance``, with a place on it for each vertex.
+        metallic: what of ``reflectance`` is of a rough metal, in [0, 1]. The solve takes it for diffuse; pictures of
+            mode "gather" or "path" show its lobe (GGX; Walter et al. 2007) where a camera looks at it, which reflects
+            that part of ``reflectance`` at right angles.
+        roughness: of the metal, from 0, a mirror, to 1; the width of the lobe is its square, as in glTF.
     """
 
     vertices: npt.ArrayLike
@@ -95,6 +99,8 @@ class Surface:
     transmittance: npt.ArrayLike = 0.0
     diffuse_transmittance: npt.ArrayLike = 0.0
     texture: Texture | None = None
+    metallic: float = 0.0
+    roughness: float = 1.0
 
     def __post_init__(self) -> None:
         vertices, faces = np.asarray(self.vertices, dtype=np.float64), np.asarray(self.faces)
@@ -309,12 +315,12 @@ class Scene:
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
              _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
              _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s),
-             self._through(s), None if s.texture is None else s.texture._native())
+             self._through(s), None if s.texture is None else s.texture._native(), (float(s.metallic), float(s.roughness)))
             for s in self.surfaces
         ]  # fmt: skip
         obstructions: list[_native._SurfaceIn] = [
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
-             [0.0] * n, [0.0] * n, False, 0.0, 0.0, [], None)
+             [0.0] * n, [0.0] * n, False, 0.0, 0.0, [], None, (0.0, 1.0))
             for s in self.obstructions
         ]  # fmt: skip
         lights, cameras = [light._tuple(n) for light in self.lights], [camera._tuple() for camera in self.cameras]
@@ -386,11 +392,10 @@ class Scene:
 
 
 def _surface(fields: _native._SurfaceOut) -> Surface:
-    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through, texture = (
-        fields
-    )
+    name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through = fields[:10]
+    texture, gloss = fields[10:]
     return Surface(vertices, _trim(faces), reflectance, emission, name, two_sided, material, specular, transmittance,
-                   through or 0.0, Texture._from_native(texture))  # fmt: skip
+                   through or 0.0, Texture._from_native(texture), *gloss)  # fmt: skip
 
 
 def _trim(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]:
@@ -419,7 +424,8 @@ def load(path: str | os.PathLike[str], *, unit: str = "m", two_sided: bool | Non
 
     Surfaces of an ``.obj`` file are two-sided unless told otherwise. Those of ``.stl``, ``.ply`` and ``.vs3`` are
     one-sided, with the front that the order of corners says; the first two have no materials, and reflectance 0.5 is
-    taken. A ``.vs3`` file may also fill ``obstructions``, ``combined`` and ``hints``.
+    taken. A ``.vs3`` file may also fill ``obstructions``, ``combined`` and ``hints``. Images of base colours become
+    textures, up to 512 MiB a file; other images count by their mean.
 
     Args:
         path: the file.

@@ -101,20 +101,35 @@ impl Lamps {
         importance: f64,
         [choice, u, v]: [f64; 3],
     ) -> Option<LampPoint> {
+        let (side, density) = self.side(at, normal, importance, choice)?;
+        let point = enclosure.point_off(side, u, v);
+        let to = point - at;
+        let distance2 = to.length_squared();
+        let cosines = normal.dot(to).max(0.0) * (-enclosure.normal(side).dot(to)).max(0.0);
+        let kernel = cosines * FRAC_1_PI / (distance2 * distance2);
+        let weight = if kernel > 0.0 { (kernel / density) as f32 * preferred(density, kernel) } else { 0.0 };
+        (weight > 0.0).then_some(LampPoint { on: (side as u32, u, v), point, weight })
+    }
+
+    /// A lamp for a number in (0, 1), and the density per m2 of points on it; none if no lamp can be seen.
+    #[inline]
+    pub fn side(&self, at: DVec3, normal: DVec3, importance: f64, choice: f64) -> Option<(usize, f64)> {
         if importance <= 0.0 {
             return None;
         }
         let (group, share, rest) = self.choose(at, normal, importance, choice)?;
         let k = group.cumulative.partition_point(|&c| c < rest).min(group.sides.len() - 1);
         let side = group.sides[k] as usize;
-        let point = enclosure.point_off(side, u, v);
-        let to = point - at;
-        let distance2 = to.length_squared();
-        let cosines = normal.dot(to).max(0.0) * (-enclosure.normal(side).dot(to)).max(0.0);
-        let kernel = cosines * FRAC_1_PI / (distance2 * distance2);
-        let density = share * f64::from(self.density[side]);
-        let weight = if kernel > 0.0 { (kernel / density) as f32 * preferred(density, kernel) } else { 0.0 };
-        (weight > 0.0).then_some(LampPoint { on: (side as u32, u, v), point, weight })
+        Some((side, share * f64::from(self.density[side])))
+    }
+
+    /// The density per m2 of points on a side, as [`Lamps::side`] has it; zero unless it is a lamp.
+    pub fn density(&self, at: DVec3, normal: DVec3, side: usize) -> f64 {
+        let (group, importance) = (self.group_of[side], self.importance(at, normal));
+        if group == NONE || importance <= 0.0 {
+            return 0.0;
+        }
+        self.groups[group as usize].importance(at, normal) / importance * f64::from(self.density[side])
     }
 
     /// What the exitance weighs that a cosine-distributed ray found on a side; one unless that is a lamp.

@@ -8,6 +8,7 @@
 //! Nothing here knows cameras or pictures; whoever wants the light at points brings the points.
 
 mod exitance;
+mod gloss;
 mod lamps;
 mod lights;
 mod means;
@@ -20,9 +21,10 @@ mod tracer;
 mod walk;
 
 pub use exitance::Exitance;
+pub use gloss::{Gloss, Lobe, Way};
 pub use lights::Light;
 pub use means::Means;
 pub use meter::{Measured, at_points, direct_of_sides, of_sides, rest_of_sides};
 pub use rounds::{Effort, Rounds, rounds};
-pub use tracer::{Start, Tracer};
+pub use tracer::{LampSight, Start, Tracer};
 pub use walk::Walk;

@@ -5,6 +5,7 @@ use radiosity_exchange::Enclosure;
 use radiosity_geometry::texture::{TexturedPatches, Values};
 
 use crate::exitance::Exitance;
+use crate::gloss::Gloss;
 use crate::lamps::Lamps;
 use crate::lights::{Light, Lights};
 use crate::scatter::Reflectance;
@@ -21,6 +22,8 @@ pub struct Tracer<'a> {
     pub(crate) seed: u64,
     /// Of sides; none where there are none.
     textures: Option<TexturedPatches>,
+    /// Of sides, in pictures; none where no side is a rough metal.
+    gloss: Option<Gloss>,
 }
 
 /// Where a path begins, and what its random numbers are keyed by.
@@ -34,6 +37,19 @@ pub struct Start {
     pub key: u32,
     /// Of the path among all for it in this round.
     pub index: u32,
+}
+
+/// A point on a lamp as a point of a surface sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct LampSight {
+    /// The side that it is on.
+    pub side: usize,
+    /// Toward it, a unit vector.
+    pub direction: DVec3,
+    /// What of its light panes on the way let through.
+    pub left: f64,
+    /// Of the directions in which lamps are drawn, per sr.
+    pub density: f64,
 }
 
 impl<'a> Tracer<'a> {
@@ -107,6 +123,7 @@ impl<'a> Tracer<'a> {
             reflectance,
             seed,
             textures: None,
+            gloss: None,
         }
     }
 
@@ -118,6 +135,67 @@ impl<'a> Tracer<'a> {
     pub fn with_textures(self, textures: Option<TexturedPatches>) -> Self {
         assert!(textures.as_ref().is_none_or(|of| of.len() == self.enclosure.sides()), "textures fit the sides");
         Self { textures: textures.filter(TexturedPatches::any), ..self }
+    }
+
+    /// The same where some sides are rough metals, for those who make pictures: paths take all for diffuse.
+    ///
+    /// # Panics
+    /// If it does not fit the sides.
+    pub fn with_gloss(self, gloss: Option<Gloss>) -> Self {
+        let sides = self.enclosure.sides();
+        let fits = |gloss: &Gloss| gloss.metallic.len() == sides && gloss.roughness.len() == sides;
+        assert!(gloss.as_ref().is_none_or(fits), "gloss fits the sides");
+        Self { gloss, ..self }
+    }
+
+    /// What of the reflectance of a side is of a rough metal, if any, and how rough it is.
+    #[inline]
+    pub fn gloss_of(&self, side: usize) -> Option<(f64, f64)> {
+        self.gloss.as_ref()?.of(side)
+    }
+
+    /// Visits all lights without area, and their images in mirrors, that reach a point just off a surface: the direction
+    /// toward each, what its strength weighs in the irradiance there, and its strength.
+    pub fn lights_at(&self, point: DVec3, normal: DVec3, mut visit: impl FnMut(DVec3, f64, &[f32])) {
+        for seen in self.lights.all(self.enclosure, point, normal) {
+            let left = match self.enclosure.specular() {
+                None if self.enclosure.bvh().occluded(&seen.ray) => 0.0,
+                None => 1.0,
+                Some(specular) => self.lights.passage(self.enclosure, specular, point, seen.place),
+            };
+            if left > 0.0 {
+                let direction = seen.ray.direction.as_dvec3().normalize();
+                visit(direction, left * f64::from(seen.weight), self.lights.strength(seen.place));
+            }
+        }
+    }
+
+    /// A point on a lamp for three numbers in (0, 1), as it is seen from a point just off a surface; none if nothing of it
+    /// is.
+    pub fn lamp_at(&self, point: DVec3, normal: DVec3, [choice, u, v]: [f64; 3]) -> Option<LampSight> {
+        let (enclosure, importance) = (self.enclosure, self.lamps.importance(point, normal));
+        let (side, density) = self.lamps.side(point, normal, importance, choice)?;
+        let there = enclosure.point_off(side, u, v);
+        let (direction, distance) = ((there - point).normalize_or_zero(), there.distance(point));
+        let cosine = -enclosure.normal(side).dot(direction);
+        if cosine <= 0.0 || normal.dot(direction) <= 0.0 {
+            return None;
+        }
+        let left = match enclosure.specular() {
+            None if enclosure.bvh().occluded(&enclosure.segment(point, there)) => 0.0,
+            None => 1.0,
+            Some(specular) => enclosure.passage(specular, point, &[there], &[], false),
+        };
+        let density = density * distance * distance / cosine;
+        (left > 0.0).then_some(LampSight { side, direction, left, density })
+    }
+
+    /// The density per sr with which [`Tracer::lamp_at`] draws a direction in which a side is met at a distance; zero
+    /// unless it is a lamp.
+    pub fn lamp_density(&self, point: DVec3, normal: DVec3, (side, direction, distance): (usize, DVec3, f64)) -> f64 {
+        let cosine = -self.enclosure.normal(side).dot(direction);
+        let density = self.lamps.density(point, normal, side);
+        if cosine > 0.0 { density * distance * distance / cosine } else { 0.0 }
     }
 
     /// The texture at a point of a side, if it has one.

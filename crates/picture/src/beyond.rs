@@ -33,8 +33,9 @@ pub(crate) struct Beyond<'a> {
 
 /// What of a ray shows something.
 pub(crate) enum Shown {
-    /// What leaves a side at a point just off it, with weights of the corners of its patch.
-    Side { side: usize, point: DVec3, corners: [f64; 4] },
+    /// What leaves a side at a point just off it toward where a ray came from along a direction, with weights of the
+    /// corners of its patch.
+    Side { side: usize, point: DVec3, corners: [f64; 4], direction: DVec3 },
     /// What lies behind everything.
     Nothing,
 }
@@ -99,7 +100,25 @@ impl<'a> Beyond<'a> {
         survival: impl Fn(u32) -> f64,
     ) -> Option<(f64, Shown)> {
         let meeting = self.enclosure.meets(self.specular, patch, direction);
-        let mut found = Found { side: first, meeting, on, direction: direction.as_dvec3() };
+        self.follow(Found { side: first, meeting, on, direction: direction.as_dvec3() }, is_dark, survival)
+    }
+
+    /// The same of a ray that has met nothing yet.
+    pub fn along(
+        &self,
+        ray: Ray,
+        is_dark: impl Fn(usize) -> bool,
+        survival: impl Fn(u32) -> f64,
+    ) -> Option<(f64, Shown)> {
+        self.follow(self.look(ray)?, is_dark, survival)
+    }
+
+    fn follow(
+        &self,
+        mut found: Found,
+        is_dark: impl Fn(usize) -> bool,
+        survival: impl Fn(u32) -> f64,
+    ) -> Option<(f64, Shown)> {
         let mut weight = 1.0;
         for met in 0..MOST_MEETINGS {
             let Found { side, meeting, on, direction } = found;
@@ -149,7 +168,8 @@ impl<'a> Beyond<'a> {
             Sight::Side(side, s, t) => {
                 let side = side as usize;
                 let point = self.enclosure.point_off(side, s, t);
-                Some(Shown::Side { side, point, corners: self.enclosure.corner_weights(side, s, t) })
+                let corners = self.enclosure.corner_weights(side, s, t);
+                Some(Shown::Side { side, point, corners, direction })
             }
             _ => None,
         };

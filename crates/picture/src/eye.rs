@@ -2,13 +2,17 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use radiosity_exchange::Enclosure;
+use radiosity_exchange::enclosure::Sight;
+use radiosity_exchange::images::survival;
 use radiosity_geometry::bvh::{Hit, Ray};
-use radiosity_paths::Tracer;
+use radiosity_geometry::sampling::Sequence;
+use radiosity_paths::{Tracer, Way};
 use radiosity_scene::Camera;
 
 use crate::beyond::{Beyond, Shown};
+use crate::metals::{Choice, Metal};
 use crate::render::side_of;
 use crate::view::{Frame, Visible};
 
@@ -46,6 +50,12 @@ pub(crate) struct Eye<'a> {
 pub(crate) struct Point {
     /// What of it is seen, over the probability of that.
     pub weight: f32,
+    /// The same of what is emitted there.
+    glow: f32,
+    /// The metal that shows it.
+    tint: Option<Tint>,
+    /// The way that the ray which shows it came along last.
+    direction: Vec3,
     /// Whether it is on the other side of what is seen.
     pub is_across: bool,
     pub side: u32,
@@ -54,6 +64,20 @@ pub(crate) struct Point {
     /// What the corners of its patch count there.
     pub corners: [f32; 4],
 }
+
+/// A metal colours what it shows.
+#[derive(Clone, Copy, Debug)]
+struct Tint {
+    side: u32,
+    at: DVec3,
+    way: Way,
+}
+
+/// What a random choice at a pixel is keyed by: its key, the number of the point, the round.
+pub(crate) type Draw = ((u32, u32), u32);
+
+/// The stream of the sequences that choose what is seen by metals in mirrors and through panes.
+const SPECULAR_IN_METALS: u32 = 15;
 
 impl<'a> Eye<'a> {
     /// A camera whose picture has so many pixels in a row and rows. With `culls_backs` the backs of one-sided patches let
@@ -103,15 +127,87 @@ impl<'a> Eye<'a> {
         let (patch, on) = (facet.patch as usize, facet.point(self.enclosure.patches(), hit));
         let first = side_of(self.enclosure, &facet).map(|side| {
             let point = self.enclosure.off(side, on);
-            Shown::Side { side, point, corners: facet.corner_weights(hit) }
+            let direction = ray.direction.as_dvec3();
+            Shown::Side { side, point, corners: facet.corner_weights(hit), direction }
         });
         let (weight, shown) = match self.beyond.filter(|beyond| beyond.is_of(patch)) {
             None => (1.0, first?),
             Some(beyond) => beyond.one((patch, first), (on, ray.direction), |side| self.is_dark(side), survival)?,
         };
-        let Shown::Side { side, point, corners } = shown else { return None };
-        let corners = corners.map(|weight| weight as f32);
-        Some(Point { weight: weight as f32, is_across: false, side: side as u32, at: point, corners })
+        self.shown(weight, shown)
+    }
+
+    fn shown(&self, weight: f64, shown: Shown) -> Option<Point> {
+        let Shown::Side { side, point, corners, direction } = shown else { return None };
+        let (weight, corners) = (weight as f32, corners.map(|weight| weight as f32));
+        let (side, direction) = (side as u32, direction.as_vec3());
+        Some(Point { weight, glow: weight, tint: None, direction, is_across: false, side, at: point, corners })
+    }
+
+    /// What a point shows if it is of a rough metal: what paint shows, or what is seen by a facet, as it happens; the point
+    /// itself elsewhere. What lamps show in it besides is added to `glow`, one value a band.
+    pub fn by_metal(&self, point: Point, draw: Draw, glow: &mut [f32]) -> Option<Point> {
+        let Surfaces::Radiance { reflectance, emission, .. } = self.surfaces else { return Some(point) };
+        let (side, tracer) = (point.side as usize, self.tracer);
+        let Some(metal) = Metal::new(tracer, side, point.at, point.direction.as_dvec3()) else { return Some(point) };
+        let texture = tracer.texture_at(side, point.at);
+        let own = self.of_side(reflectance, point.side);
+        let f0 = |band: usize| texture.map_or_else(|| own[band], |texture| texture.band(band));
+        let mut sums = vec![0.0; self.bands];
+        metal.add_highlights(tracer, f0, f64::from(point.weight), &mut sums);
+        let (number, round) = draw;
+        if let Some((lamp, weight, way)) = metal.lamp(tracer, number, round) {
+            let scale = f64::from(point.weight) * weight * FRAC_1_PI;
+            for (band, (sum, &e)) in sums.iter_mut().zip(self.of_side(emission, lamp as u32)).enumerate() {
+                *sum += scale * way.fresnel(f64::from(f0(band))) * f64::from(e);
+            }
+        }
+        glow.iter_mut().zip(&sums).for_each(|(glow, &sum)| *glow += sum as f32);
+        let tint = |way| Some(Tint { side: point.side, at: point.at, way });
+        let emits = self.of_side(emission, point.side).iter().any(|&e| e > 0.0);
+        match metal.choose(tracer, number, round) {
+            Choice::Paint => Some(point),
+            // What it emits itself is seen whatever it reflects.
+            _ if emits => Some(point),
+            Choice::Spread(way) => Some(Point { tint: tint(way), ..point }),
+            Choice::Along(way) => {
+                let sequence = Sequence::new(tracer.seed(), number.0, round, SPECULAR_IN_METALS);
+                let there = self.seen_from(point.at, way.direction, |met| survival(&sequence, number.1, met))?;
+                let weight = point.weight * there.weight;
+                let glow = weight * metal.weight(tracer, &way, (there.side as usize, there.at)) as f32;
+                Some(Point { weight, glow, tint: tint(way), ..there })
+            }
+        }
+    }
+
+    /// What a ray from a point of a surface shows.
+    fn seen_from(&self, point: DVec3, direction: Vec3, survival: impl Fn(u32) -> f64) -> Option<Point> {
+        let ray = self.enclosure.ray(point, direction);
+        if let Some(beyond) = &self.beyond {
+            let (weight, shown) = beyond.along(ray, |side| self.is_dark(side), survival)?;
+            return self.shown(weight, shown);
+        }
+        let hit = self.enclosure.bvh().closest_hit(&ray);
+        let Sight::Side(side, s, t) = self.enclosure.sight(ray.direction, &hit) else { return None };
+        let side = side as usize;
+        let (point, corners) = (self.enclosure.point_off(side, s, t), self.enclosure.corner_weights(side, s, t));
+        self.shown(1.0, Shown::Side { side, point, corners, direction: direction.as_dvec3() })
+    }
+
+    /// What a metal leaves of each band of what it shows.
+    fn tint(&self, point: &Point) -> impl Fn(usize) -> f32 {
+        let of = point.tint.map(|tint| (tint.way, self.reflectance_at(tint.side, tint.at)));
+        move |band| of.as_ref().map_or(1.0, |(way, f0)| way.fresnel(f64::from(f0(band))) as f32)
+    }
+
+    /// What a side reflects diffusely of each band at a point of it.
+    fn reflectance_at(&self, side: u32, at: DVec3) -> impl Fn(usize) -> f32 {
+        let own = match self.surfaces {
+            Surfaces::Radiance { reflectance, .. } => self.of_side(reflectance, side),
+            Surfaces::Irradiance => &[],
+        };
+        let texture = if own.is_empty() { None } else { self.tracer.texture_at(side as usize, at) };
+        move |band| texture.map_or_else(|| own.get(band).copied().unwrap_or(1.0), |texture| texture.band(band))
     }
 
     /// Whether light passes through anything diffusely.
@@ -142,30 +238,24 @@ impl<'a> Eye<'a> {
 
     /// What a point shows that is emitted there, per band.
     pub fn emitted(&self, point: &Point) -> impl Iterator<Item = f32> {
-        let (scale, values) = match self.surfaces {
-            Surfaces::Radiance { emission, .. } => {
-                (point.weight * FRAC_1_PI as f32, self.of_side(emission, point.side))
-            }
-            Surfaces::Irradiance => (0.0, &[][..]),
+        let values = match self.surfaces {
+            Surfaces::Radiance { emission, .. } if !point.is_across => self.of_side(emission, point.side),
+            _ => &[],
         };
-        (0..self.bands).map(move |band| values.get(band).map_or(0.0, |e| scale * e))
+        let (scale, tint) = (point.glow * FRAC_1_PI as f32, self.tint(point));
+        (0..self.bands).map(move |band| values.get(band).map_or(0.0, |e| scale * tint(band) * e))
     }
 
     /// What a point shows of a unit of irradiance there, per band.
     pub fn shares(&self, point: &Point) -> impl Iterator<Item = f32> {
-        let (scale, values, texture) = match self.surfaces {
-            Surfaces::Irradiance => (point.weight, &[][..], None),
-            // Of both sides of a patch the same passes.
-            Surfaces::Radiance { transmittance, .. } if point.is_across => {
-                (point.weight * FRAC_1_PI as f32, self.of_side(transmittance, point.side), None)
-            }
-            Surfaces::Radiance { reflectance, .. } => {
-                let texture = self.tracer.texture_at(point.side as usize, point.at);
-                (point.weight * FRAC_1_PI as f32, self.of_side(reflectance, point.side), texture)
-            }
+        let scale = match self.surfaces {
+            Surfaces::Irradiance => point.weight,
+            Surfaces::Radiance { .. } => point.weight * FRAC_1_PI as f32,
         };
-        let own = move |band: usize| values.get(band).copied().unwrap_or(1.0);
-        (0..self.bands).map(move |band| scale * texture.map_or_else(|| own(band), |texture| texture.band(band)))
+        // Of both sides of a patch the same passes.
+        let passed = point.is_across.then(|| self.of_side(self.transmittance(), point.side));
+        let (reflected, tint) = (self.reflectance_at(point.side, point.at), self.tint(point));
+        (0..self.bands).map(move |band| scale * tint(band) * passed.map_or_else(|| reflected(band), |tau| tau[band]))
     }
 
     /// Whether a point shows anything of what arrives there.

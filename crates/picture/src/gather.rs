@@ -241,6 +241,8 @@ struct Points {
     each: usize,
     /// What each look shows, and what is on the other side of that; none where nothing is.
     list: Vec<Option<Point>>,
+    /// Looks x bands: radiance of lamps in metals.
+    glow: Vec<f32>,
     /// Values x bands: irradiance from lamps.
     direct: Vec<f32>,
     /// Values x bands: the same, and all other, as the solution has them.
@@ -329,10 +331,13 @@ impl Gather<'_> {
         buffers.hits.resize(buffers.rays.len(), Hit::MISS);
         self.eye.closest_hits(&buffers.rays, &mut buffers.hits);
         let looks = buffers.rays.iter().zip(&buffers.hits).enumerate();
-        let seen = looks.map(|(i, (ray, hit))| {
+        let bands = self.bands();
+        let mut glow = vec![0.0; buffers.rays.len() * bands];
+        let seen = looks.zip(glow.chunks_exact_mut(bands)).map(|((i, (ray, hit)), glow)| {
             let (pixel, index) = (pixels[i / offsets.len()] as u32, (i % offsets.len()) as u32);
             let sequence = || Sequence::new(self.tracer.seed(), pixel, round, SPECULAR);
-            self.eye.seen(ray, hit, |met| survival(&sequence(), index, met))
+            let point = self.eye.seen(ray, hit, |met| survival(&sequence(), index, met))?;
+            self.eye.by_metal(point, ((pixel, index), round), glow)
         });
         let mut list: Vec<Option<Point>> = seen.collect();
         if self.eye.is_translucent() {
@@ -343,7 +348,7 @@ impl Gather<'_> {
         let direct = self.direct(buffers, pixels, &list, round);
         let of_points = |field| list.iter().flat_map(|point| self.at_corners(field, point.as_ref())).collect();
         let fields = [of_points(self.fields.direct), of_points(self.fields.rest)];
-        Points { each: offsets.len(), list, direct, fields }
+        Points { each: offsets.len(), list, glow, direct, fields }
     }
 
     /// What lamps send to points, of which each looks at them once.
@@ -413,6 +418,10 @@ impl Gather<'_> {
         strip.offsets.push(first as u32);
         strip.seen.iter_mut().for_each(|seen| seen.resize((place + 1) * bands, 0.0));
         let scale = 2.0 / points.looks as f32;
+        for (k, glow) in points.glow.chunks_exact(bands).enumerate() {
+            let half = &mut strip.seen[k % 2][place * bands..];
+            half.iter_mut().zip(glow).for_each(|(sum, g)| *sum += scale * g);
+        }
         let mut members: Vec<Vec<(usize, Lit)>> = Vec::new();
         for (k, lit) in points.lit() {
             let half = &mut strip.seen[k % 2][place * bands..];
@@ -714,6 +723,7 @@ fn at(strips: &VecDeque<Strip>, width: usize, (x, y): (usize, usize)) -> Option<
 /// Points of one pixel.
 struct PixelPoints<'a> {
     looks: usize,
+    glow: &'a [f32],
     list: &'a [Option<Point>],
     direct: &'a [f32],
     fields: [&'a [f32]; 2],
@@ -727,6 +737,7 @@ impl Points {
         let (own, values) = (pixel * slots..(pixel + 1) * slots, pixel * slots * bands..(pixel + 1) * slots * bands);
         PixelPoints {
             looks: self.each,
+            glow: &self.glow[pixel * self.each * bands..(pixel + 1) * self.each * bands],
             list: &self.list[own],
             direct: &self.direct[values.clone()],
             fields: self.fields.each_ref().map(|field| &field[values.clone()]),

@@ -11,6 +11,7 @@ pub mod image;
 pub mod image_files;
 pub mod legend;
 pub mod lit;
+mod metals;
 pub mod reconstruction;
 pub mod render;
 #[cfg(test)]

@@ -142,7 +142,7 @@ pub fn render_with_mirrors(
         }
         if beyond.is_of(patch) {
             beyond.all(patch, on, ray.direction, |weight, shown| match shown {
-                Shown::Side { side, corners, point } => {
+                Shown::Side { side, corners, point, .. } => {
                     of_sides.add((side, point), corners, weight * settings.scale, sum);
                 }
                 Shown::Nothing => settings.add_background(weight, sum),

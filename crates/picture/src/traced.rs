@@ -158,6 +158,8 @@ struct Buffers {
     /// The pixel within the tile and the point that each path starts for.
     owners: Vec<(u32, Point)>,
     irradiance: Vec<f32>,
+    /// What lamps show in a metal.
+    glow: Vec<f32>,
     pixels: Vec<f64>,
     walk: Walk,
 }
@@ -218,8 +220,13 @@ impl Film<'_> {
             let sequence = Sequence::new(self.tracer.seed(), key, round, SPECULAR);
             for ((ray, hit), index) in rays.iter().zip(hits).zip(0..) {
                 let seen = self.eye.seen(ray, hit, |met| survival(&sequence, index, met));
-                let Some(point) = seen else { continue };
+                buffers.glow.clear();
+                buffers.glow.resize(bands, 0.0);
+                let draw = ((key, index), round);
+                let seen = seen.and_then(|point| self.eye.by_metal(point, draw, &mut buffers.glow));
                 let sums = &mut buffers.pixels[pixel * bands..][..bands];
+                sums.iter_mut().zip(&buffers.glow).for_each(|(sum, &glow)| *sum += f64::from(glow));
+                let Some(point) = seen else { continue };
                 sums.iter_mut().zip(self.eye.emitted(&point)).for_each(|(sum, e)| *sum += f64::from(e));
                 let points = [Some(point), self.eye.across(&point)];
                 for point in points.into_iter().flatten().filter(|point| self.eye.reflects(point)) {

@@ -10,7 +10,7 @@ use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use radiosity_geometry::corners::CREASE_ANGLE;
-use radiosity_paths::{Effort, Exitance, Light, Measured, Tracer};
+use radiosity_paths::{Effort, Exitance, Gloss, Light, Measured, Tracer};
 use radiosity_picture::{Fields, GatherSettings, Gathered, Sheets, Smoother, Surfaces, TraceSettings, Traced};
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -104,6 +104,17 @@ fn enclosure_of(sheets: &Sheets, going_on: Option<&[Vec<f64>; 2]>) -> radiosity_
     }
 }
 
+/// What of the reflectance of (n,) patches is of rough metals, and how rough they are: (n, 2).
+fn gloss_in(array: Option<PyReadonlyArray2<'_, f64>>, n: usize) -> PyResult<Option<Gloss>> {
+    let Some(array) = array else { return Ok(None) };
+    let values = convert::block_in(&array, n, 2, "gloss")?;
+    if !values.iter().all(|value| (0.0..=1.0).contains(value)) {
+        return Err(PyValueError::new_err("metallic and roughness lie in [0, 1]"));
+    }
+    let part = |k: usize| values.iter().skip(k).step_by(2).map(|&value| value as f32).collect();
+    Ok(Some(Gloss { metallic: part(0), roughness: part(1) }))
+}
+
 fn traced_out(py: Python<'_>, traced: Traced) -> PyResult<TracedOut<'_>> {
     let (image, error) = (image_out(py, traced.image)?, image_out(py, traced.standard_error)?);
     Ok((image, error, traced.rounds.samples, traced.rounds.error, traced.rays))
@@ -116,7 +127,7 @@ type GatheredOut<'py> = (Bound<'py, PyArray3<f32>>, f64, u64);
 /// their own.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, irradiance, radiosity, lights, camera, width, height, samples, show,
-                    seed, going_on=None, threads=None, progress=None, diffuse_transmittance=None, textures=None))]
+                    seed, going_on=None, threads=None, progress=None, diffuse_transmittance=None, textures=None, gloss=None))]
 fn gather<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -136,6 +147,7 @@ fn gather<'py>(
     progress: Option<Bound<'py, PyAny>>,
     diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
     textures: Option<PyRef<'py, Textures>>,
+    gloss: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<GatheredOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -146,7 +158,7 @@ fn gather<'py>(
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
     let through = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
     check_whole(&reflectance, &through, bands, going_on.as_ref())?;
-    let textures = textures_in(textures, n)?;
+    let (textures, gloss) = (textures_in(textures, n)?, gloss_in(gloss, n)?);
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     shown(show, &[], &[], &[])?;
     let settings = GatherSettings { width, height, samples, culls_backs: true };
@@ -158,8 +170,10 @@ fn gather<'py>(
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
         let through = passing(&sheets, &through, bands);
         let textures = textures.map(|textures| textures.picked(&sheets.patch_of_side));
+        let gloss = gloss.map(|gloss| gloss.picked(&sheets.patch_of_side));
         let enclosure = enclosure_of(&sheets, going_on.as_ref());
-        let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed).with_textures(textures);
+        let tracer = Tracer::gather(&enclosure, bands, exitance, lights, seed);
+        let tracer = tracer.with_textures(textures).with_gloss(gloss);
         let rays = width * height * samples as usize;
         let parts = radiosity_picture::direct_and_rest(&tracer, &sheets.patch_of_side, &irradiance, rays, control)?;
         let at_corners = |part: &Vec<f64>| sheets.corners_of_sides(&given, &smoother.corner_values(part, bands), bands);
@@ -176,7 +190,7 @@ fn gather<'py>(
 /// the most.
 #[pyfunction]
 #[pyo3(signature = (patches, emission, reflectance, lights, camera, width, height, samples, accuracy, show, seed,
-                    going_on=None, threads=None, progress=None, diffuse_transmittance=None, textures=None))]
+                    going_on=None, threads=None, progress=None, diffuse_transmittance=None, textures=None, gloss=None))]
 fn path_trace<'py>(
     py: Python<'py>,
     patches: &Patches,
@@ -195,6 +209,7 @@ fn path_trace<'py>(
     progress: Option<Bound<'py, PyAny>>,
     diffuse_transmittance: Option<PyReadonlyArray2<'py, f64>>,
     textures: Option<PyRef<'py, Textures>>,
+    gloss: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<TracedOut<'py>> {
     let given = patches.inner.clone();
     let (n, bands) = (given.len(), emission.as_array().ncols());
@@ -203,7 +218,7 @@ fn path_trace<'py>(
     let going_on = going_on.map(|parts| convert::going_on_in(&parts, n)).transpose()?;
     let through = convert::through_in(diffuse_transmittance.as_ref(), n, bands)?;
     check_whole(&reflectance, &through, bands, going_on.as_ref())?;
-    let textures = textures_in(textures, n)?;
+    let (textures, gloss) = (textures_in(textures, n)?, gloss_in(gloss, n)?);
     let (lights, camera) = (lights_in(lights, bands)?, camera_in(camera));
     let effort = effort_in(samples, accuracy)?;
     shown(show, &[], &[], &[])?;
@@ -213,10 +228,11 @@ fn path_trace<'py>(
         let (emission, reflectance) = (sheets.of_sides(&emission, bands), sheets.of_sides(&reflectance, bands));
         let through = passing(&sheets, &through, bands);
         let textures = textures.map(|textures| textures.picked(&sheets.patch_of_side));
+        let gloss = gloss.map(|gloss| gloss.picked(&sheets.patch_of_side));
         let enclosure = enclosure_of(&sheets, going_on.as_ref());
         let exitance = Exitance::Uniform(emission.clone());
         let tracer = Tracer::paths(&enclosure, bands, exitance, reflectance.clone(), lights, seed);
-        let tracer = tracer.with_textures(textures);
+        let tracer = tracer.with_textures(textures).with_gloss(gloss);
         let tracer = if through.is_empty() { tracer } else { tracer.with_diffuse_transmittance(through.clone()) };
         let surfaces = shown(show, &emission, &reflectance, &through).expect("it was checked above");
         radiosity_picture::trace(&tracer, surfaces, &camera, &settings, control)

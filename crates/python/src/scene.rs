@@ -7,7 +7,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use radiosity_scene::meshing::{self, Contacts, Meshing};
-use radiosity_scene::{Camera, Light, LoadOptions, Material, Severity, Surface, Texture, Unit, builtin as builtins};
+use radiosity_scene::{
+    Camera, Gloss, Light, LoadOptions, Material, Severity, Surface, Texture, Unit, builtin as builtins,
+};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -21,8 +23,11 @@ pub struct Scene {
 type TextureOut<'py> = Option<(Raster, Bound<'py, PyArray2<f64>>)>;
 type TextureIn<'py> = Option<(Py<Raster>, PyReadonlyArray2<'py, f64>)>;
 
+/// Metallic and roughness.
+type GlossTuple = (f64, f64);
+
 /// Name, vertices, faces; name of the material, reflectance, emission, two-sided, specular, transmittance, diffuse
-/// transmittance or nothing; texture.
+/// transmittance or nothing; texture, gloss.
 type SurfaceOut<'py> = (
     String,
     Bound<'py, PyArray2<f64>>,
@@ -35,6 +40,7 @@ type SurfaceOut<'py> = (
     f64,
     Vec<f64>,
     TextureOut<'py>,
+    GlossTuple,
 );
 type SurfaceIn<'py> = (
     String,
@@ -48,6 +54,7 @@ type SurfaceIn<'py> = (
     f64,
     Vec<f64>,
     TextureIn<'py>,
+    GlossTuple,
 );
 
 /// kind, name, position, direction, inner and outer angle, strength.
@@ -233,13 +240,25 @@ fn surface_out<'py>(py: Python<'py>, s: &Surface) -> SurfaceOut<'py> {
             let coordinates = texture.coordinates.as_flattened().to_vec();
             (Raster { inner: texture.image.clone() }, convert::block_out(py, coordinates, 2))
         }),
+        (m.gloss.metallic, m.gloss.roughness),
     )
 }
 
 fn surface_in(
-    (name, vertices, faces, material, reflectance, emission, two_sided, specular, transmittance, through, texture): SurfaceIn<
-        '_,
-    >,
+    (
+        name,
+        vertices,
+        faces,
+        material,
+        reflectance,
+        emission,
+        two_sided,
+        specular,
+        transmittance,
+        through,
+        texture,
+        gloss,
+    ): SurfaceIn<'_>,
 ) -> PyResult<Surface> {
     let view = faces.as_array();
     if !(view.ncols() == 3 || view.ncols() == 4) {
@@ -258,6 +277,7 @@ fn surface_in(
         .map(|f| Ok([index(f, 0)?, index(f, 1)?, index(f, 2)?, index(f, 3)?]))
         .collect::<PyResult<_>>()?;
     let vertices = convert::points_in(&vertices, &format!("vertices of surface '{name}'"))?;
+    let (metallic, roughness) = gloss;
     let material = Material {
         name: material,
         reflectance,
@@ -266,6 +286,7 @@ fn surface_in(
         transmittance,
         two_sided,
         diffuse_transmittance: through,
+        gloss: Gloss { metallic, roughness },
     };
     let texture = texture.map(|(image, coordinates)| {
         let coordinates = coordinates.as_array().rows().into_iter().map(|row| [row[0], row[1]]).collect();

@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use self::overlaps::{corner_key, duplicate_faces};
 use crate::model::{
-    Camera, Face, Finding, Light, MOST_PLACES, Material, Scene, SceneError, Severity, Surface, Texture,
+    Camera, Face, Finding, Gloss, Light, MOST_PLACES, Material, Scene, SceneError, Severity, Surface, Texture,
 };
 use crate::quad::{self, Shape};
 
@@ -138,6 +138,7 @@ fn optics_findings(scene: &Scene) -> Vec<Finding> {
         textures(scene, surface, &mut found);
         speculars(scene, surface, &mut found);
         translucency(scene, surface, &mut found);
+        gloss(surface, &mut found);
         emissions(scene, surface, &mut found);
         lamp_without_area(surface, &mut found);
         found[before..].iter_mut().for_each(|finding| finding.place.surface = Some(index as u32));
@@ -407,6 +408,16 @@ fn diffuse_parts(material: &Material, band: usize) -> String {
     match material.diffuse_transmittance.get(band) {
         Some(tau) if *tau > 0.0 => format!("reflectance {reflectance} and diffuse transmittance {tau}"),
         _ => format!("reflectance {reflectance}"),
+    }
+}
+
+fn gloss(surface: &Surface, found: &mut Vec<Finding>) {
+    let Gloss { metallic, roughness } = surface.material.gloss;
+    for (what, value) in [("metallic", metallic), ("roughness", roughness)] {
+        if !(0.0..=1.0).contains(&value) {
+            let message = format!("its {what} is {value}; it must be at least 0 and at most 1");
+            found.push(Finding::error("gloss-range", named(surface), message));
+        }
     }
 }
 

@@ -10,4 +10,6 @@ mod textures;
 
 pub use formats::srgb;
 pub use formats::{LoadOptions, Unit, load};
-pub use model::{Camera, Face, Finding, Hints, Light, Material, Place, Scene, SceneError, Severity, Surface, Texture};
+pub use model::{
+    Camera, Face, Finding, Gloss, Hints, Light, Material, Place, Scene, SceneError, Severity, Surface, Texture,
+};

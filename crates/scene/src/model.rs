@@ -93,6 +93,24 @@ pub struct Material {
     /// The part that leaves the other side diffusely, as of paper and leaves, per band and from either side; may be empty
     /// where there is none. What has any must be two-sided.
     pub diffuse_transmittance: Vec<f64>,
+    /// Its metal, if it has any.
+    pub gloss: Gloss,
+}
+
+/// What of a diffuse reflectance is really the lobe of a rough metal. The solve takes it for diffuse; traced pictures show
+/// it where a camera looks at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gloss {
+    /// The part of the reflectance, in [0, 1].
+    pub metallic: f64,
+    /// From 0, a mirror, to 1.
+    pub roughness: f64,
+}
+
+impl Default for Gloss {
+    fn default() -> Self {
+        Self { metallic: 0.0, roughness: 1.0 }
+    }
 }
 
 /// A light without area.

@@ -37,7 +37,7 @@ _THICKNESS = 1e-4
 
 
 def one_sided(patches: Patches) -> Patches:
-    """Patches, diffuse ones, with the backs of two-sided ones after them on surfaces "... (back)", as in a lit model."""
+    """Diffuse patches, with the backs of two-sided ones after them on surfaces named "... (back)", as in a lit model."""
     back = np.flatnonzero(patches.two_sided)
     if not len(back) and not patches.is_specular:
         return patches
@@ -54,8 +54,9 @@ def one_sided(patches: Patches) -> Patches:
         patches.obstructions,
     )
     # Nothing passes yet, and mirrors are black: what shoots takes patches for opaque and diffuse.
-    diffuse = {"diffuse_transmittance": 0.0, "specular": 0.0, "transmittance": 0.0}
-    surfaces = [replace(s, two_sided=False, **diffuse) for s in scene.surfaces]
+    surfaces = [
+        replace(s, two_sided=False, diffuse_transmittance=0.0, specular=0.0, transmittance=0.0) for s in scene.surfaces
+    ]
     backs = [replace(s, faces=np.asarray(s.faces)[:, ::-1], name=f"{s.name} (back)") for s in surfaces]
     return Patches(Scene([*surfaces, *backs], scene.lights, scene.cameras, scene.name, scene.bands), native)
 

@@ -136,7 +136,8 @@ pub fn unwrapped(vertices: &[DVec3], faces: &[[u32; 4]], coordinates: &[[f64; 2]
 const POINTS: u32 = 4096;
 
 impl TexturedFaces {
-    /// Faces as four corners with their texture coordinates; a triangle repeats its last.
+    /// Faces as four corners with their texture coordinates; a triangle repeats its last. Of a factor of 1 a ten-millionth
+    /// is taken off, so that values stay below 1.
     ///
     /// # Panics
     /// If an image of three channels meets a factor of another number of bands.
@@ -147,7 +148,7 @@ impl TexturedFaces {
     ) -> Self {
         assert!(image.channels() == 1 || factor.len() == image.channels(), "one channel, or one per band");
         let faces = faces.into_iter().map(|(corners, coordinates)| Unwrapped::new(corners, coordinates)).collect();
-        Self { image, faces, factor: factor.iter().map(|&f| f as f32).collect() }
+        Self { image, faces, factor: factor.iter().map(|&f| (f as f32).min(1.0 - f32::EPSILON)).collect() }
     }
 
     /// How many faces there are.

@@ -12,7 +12,7 @@ use crate::formats::colour::{self, UNKNOWN_REFLECTANCE, times};
 use crate::formats::folder::Folder;
 use crate::formats::names::Roll;
 use crate::formats::texture::{Mean, NO_ROOM};
-use crate::model::{Finding, Material, SceneError, Texture};
+use crate::model::{Finding, Gloss, Material, SceneError, Texture};
 
 /// The materials of a file, each read when first met.
 pub(super) struct Materials<'a> {
@@ -38,6 +38,7 @@ struct Optics {
     diffused: [f64; 3],
     /// The image that goes with the diffuse reflectance in place of its mean.
     painted: Option<Painted>,
+    gloss: Gloss,
 }
 
 /// What is reflected diffusely, as from a mirror, let through, and let through diffusely.
@@ -47,6 +48,7 @@ struct Parts {
     passed: [f64; 3],
     diffused: [f64; 3],
     painted: Option<Painted>,
+    gloss: Gloss,
 }
 
 /// The greatest roughness of mirrors and clear glass: its square, the width of the lobe (Walter et al. 2007), is then
@@ -88,7 +90,7 @@ impl<'a> Materials<'a> {
         let diffused = colour::limited(times(optics.diffused, tint), &optics.name, &mut self.roll);
         let material =
             Material::new(optics.name, &reflectance, &optics.emission).with_specular(specular, transmittance);
-        let material = Material { two_sided: optics.two_sided, ..material };
+        let material = Material { two_sided: optics.two_sided, gloss: optics.gloss, ..material };
         let is_translucent = diffused != [0.0; 3];
         let material = if is_translucent { material.with_diffuse_transmittance(&diffused) } else { material };
         Ok((self.limited(material), texture))
@@ -152,6 +154,7 @@ impl<'a> Materials<'a> {
             two_sided: false,
             diffused: [0.0; 3],
             painted: None,
+            gloss: Gloss::default(),
         }
     }
 
@@ -172,10 +175,10 @@ impl<'a> Materials<'a> {
         let root = self.document.root;
         let source = &root.materials[index];
         let name = source.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {index}"));
-        let Parts { reflectance, mirrored, passed, diffused, painted } = self.parts(source, &name)?;
+        let Parts { reflectance, mirrored, passed, diffused, painted, gloss } = self.parts(source, &name)?;
         let emission = self.emission(source, &name)?;
         let two_sided = source.double_sided;
-        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided, diffused, painted })
+        Ok(Optics { name, reflectance, mirrored, passed, emission, two_sided, diffused, painted, gloss })
     }
 
     fn fail(&self, name: &str, message: impl Into<String>) -> SceneError {
@@ -197,28 +200,36 @@ impl<'a> Materials<'a> {
                 self.warn_of_transparency(name);
             }
             let (reflectance, painted) = self.diffuse(rgb(glossy.diffuse_factor.0), source, name)?;
-            return Ok(Parts { reflectance, mirrored: [0.0; 3], passed: [0.0; 3], diffused: [0.0; 3], painted });
+            let (diffused, gloss) = ([0.0; 3], Gloss::default());
+            return Ok(Parts { reflectance, mirrored: [0.0; 3], passed: [0.0; 3], diffused, painted, gloss });
         }
         let pbr = &source.pbr_metallic_roughness;
         let (base, painted) = self.diffuse(rgb(pbr.base_color_factor.0), source, name)?;
         let metallic = self.metallic(pbr, name)?;
-        let is_smooth = (metallic > NOISE || wanted > NOISE) && self.roughness(pbr, name)? <= SMOOTH;
+        let asks = metallic > NOISE || wanted > NOISE;
+        let roughness = if asks { self.roughness(pbr, name)? } else { 1.0 };
+        let is_smooth = asks && roughness <= SMOOTH;
+        let mut gloss = Gloss::default();
         if metallic > NOISE && !is_smooth {
-            let message = "of metals rougher than 0.1 only base colour x (1 - metallic) is left; set metallic to 0, for \
-                           glTF's default is 1, or lower the roughness of mirrors";
-            self.roll.warn("metallic-material", "material", name, message);
+            gloss = Gloss { metallic: metallic.clamp(0.0, 1.0), roughness: roughness.clamp(0.0, 1.0) };
+            let message = "metals rougher than 0.1 are diffuse in the solve, and their gloss shows where pictures of mode \
+                           gather or path look at them; set metallic to 0 if paint is meant, for glTF's default is 1";
+            self.roll.note("metallic-material", "material", name, message);
         }
         if blends || (wanted > NOISE && !is_smooth) {
             self.warn_of_transparency(name);
         }
         let (mirrors, passes) = if is_smooth { (metallic, wanted) } else { (0.0, 0.0) };
-        let (diffuse, (share, colour)) = ((1.0 - metallic) * (1.0 - passes), self.diffuse_transmission(source, name)?);
+        let diffuse = if gloss.metallic > 0.0 { 1.0 } else { (1.0 - metallic) * (1.0 - passes) };
+        // No light passes through metal.
+        let (share, colour) = self.diffuse_transmission(source, name)?;
+        let share = share * (1.0 - gloss.metallic);
         let part = |share: f64| base.map(|c| c * share);
         let diffused = colour.map(|c| c * share * diffuse);
         let (mirrored, passed) = (part(mirrors), part((1.0 - metallic) * passes));
         let back = diffuse * (1.0 - share);
         let painted = painted.filter(|_| back > 0.0).map(|painted| painted.dimmed(back));
-        Ok(Parts { reflectance: part(back), mirrored, passed, diffused, painted })
+        Ok(Parts { reflectance: part(back), mirrored, passed, diffused, painted, gloss })
     }
 
     /// The share of what is diffuse that leaves the other side, and its colour; the texture of the one keeps it in its

@@ -3,9 +3,10 @@
 //! | glTF | here |
 //! |---|---|
 //! | primitive of a node | one surface, named after the node or else the mesh |
-//! | base colour factor x mean of COLOR_0 x (1 - metallic) | reflectance; with the texture limited to 0.95 |
+//! | base colour factor x mean of COLOR_0 x (1 - metallic of smooth ones) | reflectance; with the texture limited to 0.95 |
 //! | base colour texture, its wrap modes, coordinates and KHR_texture_transform | texture; without coordinates, its mean |
 //! | base colour x metallic, where roughness is at most 0.1 | mirror reflectance: its luminance |
+//! | metallic and roughness, where that is more | gloss, which traced pictures show |
 //! | base colour x (1 - metallic) x transmission factor x mean of its texture, likewise | transmittance: its luminance |
 //! | diffuse transmission factor x its colour x means of their textures x (1 - metallic) | diffuse transmittance |
 //! | emissive factor x mean of its texture x strength | radiance; exitance is pi times that |
@@ -17,7 +18,7 @@
 //! Images other than that of the base colour count by their means, and mirrors and glass by the mean of that. Images take
 //! 512 MiB at most together; those beyond are averaged, with a finding.
 //!
-//! Metals and glass that are rougher are what is diffuse of them, with a finding. What a coat or glass mirrors of light
+//! Glass that is rougher is what is diffuse of it, with a finding. What a coat or glass mirrors of light
 //! by its refractive index, a few per cent, is left out.
 //!
 //! Coordinates stay as they are: y points up. The `gltf` crate parses the JSON; what the JSON promises about indices,

@@ -9,7 +9,7 @@ use super::*;
 use crate::formats::colour;
 use crate::formats::texture::tests::two_colour_png;
 use crate::formats::{LoadOptions, Unit};
-use crate::model::{Light, Severity};
+use crate::model::{Gloss, Light, Severity};
 
 fn parsed(glb: &Glb) -> Scene {
     try_parse(&glb.to_bytes()).unwrap()
@@ -423,11 +423,14 @@ fn rounding_beyond_0_and_1_is_forgiven() {
 }
 
 #[test]
-fn metals_keep_their_diffuse_part() {
+fn rough_metals_are_diffuse_and_keep_their_gloss() {
     let mut glb = Glb::square();
-    glb.json["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(0.75);
+    let pbr = &mut glb.json["materials"][0]["pbrMetallicRoughness"];
+    (pbr["metallicFactor"], pbr["roughnessFactor"]) = (json!(0.75), json!(0.5));
     let scene = parsed(&glb);
-    assert!(close(&scene.surfaces[0].material.reflectance, &[0.125, 0.15, 0.175]));
+    let material = &scene.surfaces[0].material;
+    assert!(close(&material.reflectance, &[0.5, 0.6, 0.7]));
+    assert_eq!((material.gloss, material.specular), (Gloss { metallic: 0.75, roughness: 0.5 }, 0.0));
     assert_eq!(codes(&scene), ["metallic-material"]);
 }
 
@@ -735,8 +738,13 @@ fn rich() -> Glb {
     let mut glb = with_light(json!({"type": "spot", "intensity": 4, "spot": {"outerConeAngle": 0.5}}));
     let view = glb.view(&two_colour_png([255, 255, 255], [0, 0, 0]));
     glb.push("images", json!({"bufferView": view}));
-    glb.push("textures", json!({"source": 0}));
-    glb.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    glb.push("samplers", json!({"wrapS": 33071, "wrapT": 33648}));
+    glb.push("textures", json!({"source": 0, "sampler": 0}));
+    let transform = json!({"KHR_texture_transform": {"offset": [0.5, 0], "scale": [2, 1], "texCoord": 0}});
+    glb.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0, "extensions": transform});
+    let coordinates = glb.accessor(&[0, 0, 255, 0, 255, 255, 0, 255], 5121, "VEC2", 4);
+    glb.json["accessors"][coordinates]["normalized"] = json!(true);
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(coordinates);
     let colours = glb.bytes(&[99; 12]);
     glb.json["accessors"][colours]["type"] = json!("VEC3");
     glb.json["accessors"][colours]["count"] = json!(4);
@@ -754,11 +762,12 @@ fn rich() -> Glb {
 #[test]
 fn no_damage_panics() {
     let whole = rich().to_bytes();
-    assert_eq!(try_parse(&whole).unwrap().surfaces.len(), 2);
+    let sound = try_parse(&whole).unwrap();
+    assert!(sound.surfaces.len() == 2 && sound.surfaces.iter().all(|surface| surface.texture.is_some()));
     let options = LoadOptions { max_faces: 1000, ..LoadOptions::default() };
     let read = |bytes: &[u8]| {
         if let Ok(scene) = parse(Path::new("test.glb"), bytes, &options) {
-            let _ = (scene.findings(), scene.validate());
+            let _ = (scene.findings(), scene.validate(), scene.textured_faces());
         }
     };
     for position in 0..whole.len() {
