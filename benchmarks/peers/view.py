@@ -40,7 +40,7 @@ CORNELL = View((0.278, 0.273, -0.8), (0.278, 0.273, 0.0), (0.0, 1.0, 0.0), 39.30
 
 @dataclass(frozen=True)
 class Reference:
-    """A converged picture, (SIZE, SIZE, 3), and half of the difference of its halves, which is as large as its noise."""
+    """A converged picture, (SIZE, SIZE, 3), and half of the difference of its halves, as large as its noise."""
 
     picture: Picture
     noise: Picture

@@ -315,7 +315,8 @@ class Scene:
             (s.name, np.asarray(s.vertices, np.float64), np.asarray(s.faces, np.int64), s.material,
              _spectrum(s.reflectance, n, f"reflectance of surface '{s.name}'"),
              _spectrum(s.emission, n, f"emission of surface '{s.name}'"), s.two_sided, *self._going_on(s),
-             self._through(s), None if s.texture is None else s.texture._native(), (float(s.metallic), float(s.roughness)))
+             self._through(s), None if s.texture is None else s.texture._native(),
+             (float(s.metallic), float(s.roughness)))
             for s in self.surfaces
         ]  # fmt: skip
         obstructions: list[_native._SurfaceIn] = [

@@ -59,10 +59,10 @@ SUBJECTS: dict[str, Subject] = {
     "cornell-smooth": Subject(radiosity.scenes.cornell_box, "smooth", 0.06, 16),
     "cornell-patches": Subject(radiosity.scenes.cornell_box, "patches", 0.1, 16),
     "cornell-gather": Subject(radiosity.scenes.cornell_box, "gather", 0.06, 16),
-    "cornell-path": Subject(radiosity.scenes.cornell_box, "path", 1.0, 64),
+    "cornell-path": Subject(radiosity.scenes.cornell_box, "path", 1.0, 256),
     "ferren-gather": Subject(radiosity.scenes.ferren, "gather", 0.2, 16),
     "mirror-room-gather": Subject(radiosity.scenes.mirror_room, "gather", 0.5, 32),
-    "lampshade-gather": Subject(radiosity.scenes.lampshade, "gather", 0.2, 16),
+    "lampshade-gather": Subject(radiosity.scenes.lampshade, "gather", 0.2, 64),
     "tiled-box-gather": Subject(tiled_box, "gather", 0.06, 16),
 }
 
@@ -127,9 +127,10 @@ class Golden:
         if not LEAST_SPREAD < spread < MOST_SPREAD:
             return f"the mean square of its deviations is {spread:.2f} variances"
         bright = float(picture.mean() / self.mean.mean() - 1)
-        # Noise of all pixels as if it were one: more than there can be.
+        # As if only every twelfth pixel had noise of its own, at three standard deviations and more.
         noise = math.sqrt(float(self.variance.mean())) / float(self.mean.mean())
-        if abs(bright) > max(0.004, 0.5 * noise):
+        allowed = 0.004 + 12 * noise / math.sqrt(scores.size)
+        if abs(bright) > allowed:
             return f"it is {bright:+.2%} brighter on average"
         return None
 

@@ -145,7 +145,7 @@ impl<'a> Eye<'a> {
     }
 
     /// What a point shows if it is of a rough metal: what paint shows, or what is seen by a facet, as it happens; the point
-    /// itself elsewhere. What lamps show in it besides is added to `glow`, one value a band.
+    /// itself elsewhere. What the metal emits and what lamps show in it is added to `glow`, one value a band.
     pub fn by_metal(&self, point: Point, draw: Draw, glow: &mut [f32]) -> Option<Point> {
         let Surfaces::Radiance { reflectance, emission, .. } = self.surfaces else { return Some(point) };
         let (side, tracer) = (point.side as usize, self.tracer);
@@ -153,7 +153,7 @@ impl<'a> Eye<'a> {
         let texture = tracer.texture_at(side, point.at);
         let own = self.of_side(reflectance, point.side);
         let f0 = |band: usize| texture.map_or_else(|| own[band], |texture| texture.band(band));
-        let mut sums = vec![0.0; self.bands];
+        let mut sums: Vec<f64> = self.emitted(&point).map(f64::from).collect();
         metal.add_highlights(tracer, f0, f64::from(point.weight), &mut sums);
         let (number, round) = draw;
         if let Some((lamp, weight, way)) = metal.lamp(tracer, number, round) {
@@ -164,12 +164,9 @@ impl<'a> Eye<'a> {
         }
         glow.iter_mut().zip(&sums).for_each(|(glow, &sum)| *glow += sum as f32);
         let tint = |way| Some(Tint { side: point.side, at: point.at, way });
-        let emits = self.of_side(emission, point.side).iter().any(|&e| e > 0.0);
         match metal.choose(tracer, number, round) {
-            Choice::Paint => Some(point),
-            // What it emits itself is seen whatever it reflects.
-            _ if emits => Some(point),
-            Choice::Spread(way) => Some(Point { tint: tint(way), ..point }),
+            Choice::Paint => Some(Point { glow: 0.0, ..point }),
+            Choice::Spread(way) => Some(Point { glow: 0.0, tint: tint(way), ..point }),
             Choice::Along(way) => {
                 let sequence = Sequence::new(tracer.seed(), number.0, round, SPECULAR_IN_METALS);
                 let there = self.seen_from(point.at, way.direction, |met| survival(&sequence, number.1, met))?;

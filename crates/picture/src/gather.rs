@@ -211,6 +211,8 @@ struct Part {
     normal: Vec3,
     /// Whether all of its points see some lamp.
     is_lit: bool,
+    /// Points that show it.
+    points: u32,
     /// Pairs of rays that leave it.
     pairs: u32,
 }
@@ -409,7 +411,7 @@ impl Gather<'_> {
     }
 
     fn part(&self, point: &Point) -> Part {
-        Part { point: point.at, normal: self.eye.normal(point).as_vec3(), is_lit: true, pairs: 0 }
+        Part { point: point.at, normal: self.eye.normal(point).as_vec3(), is_lit: true, points: 0, pairs: 0 }
     }
 
     /// Finds the parts of a pixel, adds what they show but for the excess, and has rays start from them.
@@ -449,6 +451,7 @@ impl Gather<'_> {
     /// Adds what the points of a part show.
     fn add_part(&self, strip: &mut Strip, (pixel, part): (usize, usize), members: &[(usize, Lit)], scale: f32) {
         let bands = self.bands();
+        strip.parts[part].points = members.len() as u32;
         strip.parts[part].is_lit = members.iter().all(|(_, lit)| lit.direct.iter().any(|&h| h > 0.0));
         let share = &mut strip.share[part * bands..][..bands];
         for (k, Lit { point, fields: [field, rest], .. }) in members {
@@ -541,7 +544,7 @@ impl Gather<'_> {
             near.rest.correct(&mut excess);
             let mut direct = near.direct.mean.clone();
             let own = strip.direct.iter().flat_map(|half| &half[k * bands..][..bands]).map(|&v| f64::from(v));
-            Estimate { mean: own.collect(), variance: near.direct.variance_of_one, ..near.direct }.correct(&mut direct);
+            Estimate { mean: own.collect(), weight: f64::from(part.points), ..near.direct }.correct(&mut direct);
             let share = &strip.share[k * bands..][..bands];
             let all = excess.chunks_exact(bands).zip(direct.chunks_exact(bands));
             for (sums, (excess, direct)) in sums.chunks_exact_mut(bands).zip(all) {
@@ -567,7 +570,7 @@ impl Gather<'_> {
                     let pairs = f64::from(other.pairs);
                     rest.add(pairs, |i| own(&strip.excess, i) / pairs);
                     if part.is_lit == other.is_lit {
-                        direct.add(1.0, |i| own(&strip.direct, i));
+                        direct.add(f64::from(other.points), |i| own(&strip.direct, i));
                     }
                 }
             }
@@ -610,43 +613,42 @@ struct Near {
     direct: Estimate,
 }
 
-/// A running mean of quantities that are known twice, from either half, and how noisy they are.
+/// A running mean of quantities that are known twice, from either half, and how noisy they are. Weights are numbers of
+/// samples.
 struct Mean {
     weight: f64,
-    squares: f64,
     sums: Vec<f64>,
-    noise: f64,
+    /// Of the variances of single samples, as the halves tell them.
+    variances: f64,
     count: f64,
 }
 
-/// An estimate of quantities, each from either half, and the variance of their mean.
+/// An estimate of quantities, each from either half.
 struct Estimate {
     mean: Vec<f64>,
+    /// The samples that it is made of.
+    weight: f64,
+    /// The variance of one of them.
     variance: f64,
-    /// The same of one of the values that it is the mean of.
-    variance_of_one: f64,
 }
 
 impl Mean {
     fn new(count: usize) -> Self {
-        Self { weight: 0.0, squares: 0.0, sums: vec![0.0; count], noise: 0.0, count: 0.0 }
+        Self { weight: 0.0, sums: vec![0.0; count], variances: 0.0, count: 0.0 }
     }
 
     fn add(&mut self, weight: f64, value: impl Fn(usize) -> f64) {
         let half = self.sums.len() / 2;
         self.sums.iter_mut().enumerate().for_each(|(i, sum)| *sum += weight * value(i));
         let difference = (0..half).map(|i| value(i) - value(half + i)).sum::<f64>() / half as f64;
-        self.noise += (0.5 * difference).powi(2);
+        self.variances += weight * (0.5 * difference).powi(2);
         self.weight += weight;
-        self.squares += weight * weight;
         self.count += 1.0;
     }
 
     fn estimate(mut self) -> Estimate {
         self.sums.iter_mut().for_each(|sum| *sum /= self.weight);
-        let variance_of_one = self.noise / self.count;
-        let variance = variance_of_one * self.squares / (self.weight * self.weight);
-        Estimate { mean: self.sums, variance, variance_of_one }
+        Estimate { mean: self.sums, weight: self.weight, variance: self.variances / self.count }
     }
 }
 
@@ -657,7 +659,8 @@ impl Estimate {
     fn correct(&self, other: &mut [f64]) {
         let difference =
             self.mean.iter().zip(&*other).map(|(own, other)| own - other).sum::<f64>() / other.len() as f64;
-        let share = 1.0 - SURE * self.variance / (difference * difference).max(f64::MIN_POSITIVE);
+        let variance = self.variance / self.weight;
+        let share = 1.0 - SURE * variance / (difference * difference).max(f64::MIN_POSITIVE);
         if share > 0.0 {
             other.iter_mut().zip(&self.mean).for_each(|(other, own)| *other += share * (own - *other));
         }

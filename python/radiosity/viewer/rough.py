@@ -37,7 +37,7 @@ _THICKNESS = 1e-4
 
 
 def one_sided(patches: Patches) -> Patches:
-    """Diffuse patches, with the backs of two-sided ones after them on surfaces named "... (back)", as in a lit model."""
+    """Diffuse patches, with the backs of two-sided ones after them on surfaces "... (back)", as in a lit model."""
     back = np.flatnonzero(patches.two_sided)
     if not len(back) and not patches.is_specular:
         return patches
