@@ -51,18 +51,18 @@ PICTURES = [
     ),
     Picture(
         "ferren",
-        "radiosity render builtin:ferren --mode gather --samples 128 --width 860 --height 1024",
+        "radiosity render builtin:ferren --mode gather --samples 64 --width 860 --height 1024",
         "The boards by themselves: after John Ferren, *Construction in Wood, a Daylight Experiment* (1968).",
     ),
     Picture(
         "goral-box",
-        "radiosity compare goral-box --as-is --panels patches,smooth,gather --samples 256 --width 334 --height 334",
+        "radiosity compare goral-box --as-is --panels patches,smooth,gather --samples 64 --width 334 --height 334",
         "The empty cube that radiosity began with: 49 patches a side, each of one value; the same interpolated, as "
         "they were shown in 1984; and gathered, where every pixel looks at them once more.",
     ),
     Picture(
         "cornell-box",
-        "radiosity compare cornell-box --patches 3000 --panels patches,smooth,gather --samples 256 "
+        "radiosity compare cornell-box --patches 3000 --panels patches,smooth,gather --samples 64 "
         "--width 334 --height 334",
         "The Cornell box with its two blocks on 3,000 patches.",
     ),
@@ -75,7 +75,7 @@ PICTURES = [
     ),
     Picture(
         "furnished-room-panels",
-        "radiosity compare furnished-room --panels patches,smooth,gather --samples 256 --width 334 --height 223",
+        "radiosity compare furnished-room --panels patches,smooth,gather --samples 64 --width 334 --height 223",
         "A furnished room on 8,000 patches.",
     ),
     Picture(
@@ -86,8 +86,13 @@ PICTURES = [
     ),
     Picture(
         "mirror-room",
-        "radiosity render builtin:mirror-room --accuracy 0.02 --mode gather --width 1024 --height 683",
+        "radiosity render builtin:mirror-room --accuracy 0.02 --mode gather --samples 128 --width 1024 --height 683",
         "A room whose only lamp looks into a mirror: what is behind it is lit by the mirror alone.",
+    ),
+    Picture(
+        "lampshade",
+        "radiosity render builtin:lampshade --accuracy 0.1 --mode gather --samples 64 --width 1024 --height 768",
+        "Paper and leaves let light through: diffuse transmission, a second reflectance towards the other side.",
     ),
     Picture(
         "irradiance",

@@ -103,15 +103,13 @@ const REST: u32 = 2;
 
 /// Gathers what arrives where a camera looks; every row is a step of `control`.
 ///
-/// `rest` is sides x 4 x bands at corners: the solution's irradiance less what [`Walk::direct`] counts, best as good as
-/// the solution; what it is off by adds noise, and no bias but what is sharper than some pixels. The same input gives
-/// the same bytes on any number of threads.
+/// The tracer is one of [`Tracer::gather`]. The same input gives the same bytes on any number of threads.
 ///
 /// # Errors
 /// If `control` is cancelled.
 ///
 /// # Panics
-/// If `surfaces` or `rest` do not fit the sides and bands of the tracer.
+/// If `surfaces` or `fields` do not fit the sides and bands of the tracer.
 pub fn gather(
     tracer: &Tracer,
     surfaces: Surfaces,
@@ -541,7 +539,9 @@ impl Gather<'_> {
             let part = &strip.parts[k];
             self.fit_around(strips, kernel, (x, y), part, &mut fit);
             let (mut excess, near) = (fit.value(), self.mean_around(strips, (x, y), part));
-            near.rest.correct(&mut excess);
+            // What rays find rarely, the nearest pixels may have missed, and know nothing of its noise.
+            let variance = near.rest.variance.max(fit.variance());
+            Estimate { variance, ..near.rest }.correct(&mut excess);
             let mut direct = near.direct.mean.clone();
             let own = strip.direct.iter().flat_map(|half| &half[k * bands..][..bands]).map(|&v| f64::from(v));
             Estimate { mean: own.collect(), weight: f64::from(part.points), ..near.direct }.correct(&mut direct);
@@ -600,6 +600,9 @@ impl Gather<'_> {
                         let from = [column as f64 - x as f64, row as f64 - y as f64];
                         let excess = strip.excess.iter().flat_map(|half| &half[k * bands..][..bands]);
                         fit.add(weight, f64::from(other.pairs), from, excess);
+                        let half = |half: &[f32]| half[k * bands..][..bands].iter().sum::<f32>();
+                        let difference = f64::from(half(&strip.excess[0]) - half(&strip.excess[1])) / bands as f64;
+                        fit.add_noise(difference, f64::from(other.pairs));
                     }
                 }
             }
@@ -676,11 +679,15 @@ struct Fit {
     second: [f64; 3],
     /// Sums of the quantities, times weights and coordinates.
     sums: Vec<[f64; 3]>,
+    /// The variances of single samples, and how many of them there are.
+    variances: f64,
+    places: f64,
 }
 
 impl Fit {
     fn new(count: usize) -> Self {
-        Self { weight: 0.0, first: [0.0; 2], second: [0.0; 3], sums: vec![[0.0; 3]; count] }
+        let sums = vec![[0.0; 3]; count];
+        Self { weight: 0.0, first: [0.0; 2], second: [0.0; 3], sums, variances: 0.0, places: 0.0 }
     }
 
     fn clear(&mut self) {
@@ -704,6 +711,17 @@ impl Fit {
             sum[1] += value * x;
             sum[2] += value * y;
         }
+    }
+
+    /// Adds by how much the sums over so many pairs of samples differ.
+    fn add_noise(&mut self, difference: f64, pairs: f64) {
+        self.variances += (0.5 * difference).powi(2) / pairs;
+        self.places += 1.0;
+    }
+
+    /// The variance of a pair.
+    fn variance(&self) -> f64 {
+        self.variances / self.places
     }
 
     /// The fit at the origin.
