@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -114,7 +115,10 @@ def render(
         )  # fmt: skip
     lit = _solved(lit, mode)
     if mode == "gather":
-        return _gather(lit, camera, width, height, rays, show, threads_or_all(threads), seed, progress)
+        return gather(
+            lit, camera, width=width, height=height, samples=rays,
+            show="irradiance" if show == "irradiance" else "radiosity", threads=threads, seed=seed, progress=progress,
+        ).image  # fmt: skip
     if isinstance(lit, Solution):
         lit = LitModel.of(lit)
     camera = camera or default_camera(lit)
@@ -135,26 +139,50 @@ def _solved(lit: Solution | LitModel | Scene | Patches, mode: Mode) -> Solution 
     return lit
 
 
-def _gather(
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """A gathered picture.
+
+    Attributes:
+        image: (height, width, bands) float32, linear.
+        noise: its noise, root mean square over pixels, over its mean, as halves of its samples tell; what the solution
+            is off by comes on top.
+        rays: all rays, those to lamps included.
+    """
+
+    image: Image
+    noise: float
+    rays: int
+
+
+def gather(
     lit: Solution | LitModel,
-    camera: Camera | None,
-    width: int,
-    height: int,
-    samples: int,
-    show: Quantity,
-    threads: int | None,
-    seed: int,
-    progress: Callable[[int, int], object] | None,
-) -> Image:
+    camera: Camera | None = None,
+    *,
+    width: int = 800,
+    height: int = 600,
+    samples: int = SAMPLES["gather"],
+    show: Literal["radiosity", "irradiance"] = "radiosity",
+    threads: int | None = None,
+    seed: int = 0,
+    progress: Callable[[int, int], object] | None = None,
+) -> Gathered:
+    """Render by a final gather, as :func:`render` does with mode "gather", and tell its noise.
+
+    Light of lamps is looked for from every point that is seen, more finely where shadows end. What rays find of all
+    other light is compared with the solution's field, and what that is off by is fitted over the pixels around. Light
+    that varies within some pixels, and that the mesh does not have, is smoothed.
+    """
     model = LitModel.of(lit) if isinstance(lit, Solution) else lit
     blocks = [np.ascontiguousarray(b) for b in (model.emission, model._reflectance, model.irradiance, model.radiosity)]
-    return _native.gather(
+    found = _native.gather(
         model.patches, blocks[0], blocks[1], blocks[2], blocks[3], model.lights or [],
         (camera or default_camera(model))._tuple(), width, height,
         whole(samples, "samples", 1, 1 << 24), "radiance" if show == "radiosity" else show,
-        whole(seed, "seed", 0, 2**64 - 1), model._going_on, threads, progress, model._through, model.textures,
-        model.gloss,
-    )[0]  # fmt: skip
+        whole(seed, "seed", 0, 2**64 - 1), model._going_on, threads_or_all(threads), progress, model._through,
+        model.textures, model.gloss,
+    )  # fmt: skip
+    return Gathered(*found)
 
 
 def default_camera(lit: LitModel) -> Camera:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import resource
 from pathlib import Path
 
@@ -138,7 +139,9 @@ def test_path_tracing_solves_nothing_and_tells_its_errors(run: Runner, tmp_path:
 
 def test_a_gathered_lit_model(run: Runner, tmp_path: Path) -> None:
     run("solve", *QUICK, "-o", "lit.glb")
-    assert run("render", "lit.glb", "-o", "gather.png", *SMALL, "--mode", "gather").returncode == 0
+    done = run("render", "lit.glb", "-o", "gather.png", *SMALL, "--mode", "gather")
+    assert done.returncode == 0
+    assert re.search(r"[0-9,]+ rays, noise [0-9.]+% of the mean", done.stdout)
     assert run("render", "lit.glb", "-o", "path.png", *SMALL, "--mode", "path", "--samples", 256).returncode == 0
     gathered, traced = picture(tmp_path / "gather.png"), picture(tmp_path / "path.png")
     assert np.mean(np.abs(gathered - traced)) < 12

@@ -16,7 +16,7 @@ from radiosity.cli.progress import Bar
 if TYPE_CHECKING:
     from radiosity import Camera, PathTraced, Scene, Solution
     from radiosity.files import LitModel
-    from radiosity.picture import Image
+    from radiosity.picture import Gathered, Image
 
 SUFFIXES = (".png", ".exr")
 Quantity = Literal["radiosity", "irradiance", "emission", "error"]
@@ -61,6 +61,18 @@ def render(lit: Solution | LitModel | Scene, view: View, *, quiet: bool) -> Imag
         return picture.render(
             lit, view.camera, width=view.width, height=view.height, samples=view.samples, show=view.show,
             mode=view.mode, ambient=view.ambient, threads=view.threads, seed=view.seed, progress=bar,
+        )  # fmt: skip
+
+
+def gather(lit: Solution | LitModel, view: View, *, quiet: bool) -> Gathered:
+    """A gathered picture with its noise, with a progress bar."""
+    from radiosity import picture
+
+    with Bar("gathering", quiet=quiet) as bar:
+        return picture.gather(
+            lit, view.camera, width=view.width, height=view.height, samples=view.samples or picture.SAMPLES["gather"],
+            show="irradiance" if view.show == "irradiance" else "radiosity", threads=view.threads, seed=view.seed,
+            progress=bar,
         )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,6 +16,7 @@ from radiosity.cli.solve import Effort, solve_target
 if TYPE_CHECKING:
     from radiosity import PathTraced
     from radiosity.files import LitModel
+    from radiosity.picture import Gathered
 
 Outputs = Annotated[
     list[Path], typer.Option("--output", "-o", metavar="FILE", help="Where to save: .png or .exr; may be repeated.")
@@ -100,14 +101,14 @@ def render(
         with source.naming(file, getattr(scene, "name", "")):
             traced = picture.trace(scene, replace(view, camera=eye, accuracy=accuracy), quiet=quiet)
         image = traced.standard_error if show == "error" else traced.image
-        done.say(lit, traced, picture.save(image, scene.bands, outputs, tone))
+        done.say(lit, picture.save(image, scene.bands, outputs, tone), traced=traced)
         return
     if not view.needs_solution:
         scene = lit or source.open_unlit(file, unit=unit, two_sided=two_sided)
         eye = picture.aim(scene, picture.choose_camera(scene.cameras, camera, look_from, look_at, fov), fov)
         with source.naming(file, getattr(scene, "name", "")):
             image = picture.render(scene, replace(view, camera=eye), quiet=quiet)
-        done.say(lit, None, picture.save(image, scene.bands, outputs, tone))
+        done.say(lit, picture.save(image, scene.bands, outputs, tone))
         return
     solution = None
     if lit is None:
@@ -120,8 +121,10 @@ def render(
     elif mode == "gather" and lit.lights is None and not quiet:
         _warn_of_unknown_lights(file)
     eye = picture.aim(lit, picture.choose_camera(lit.cameras, camera, look_from, look_at, fov), fov)
-    image = picture.render(solution or lit, replace(view, camera=eye), quiet=quiet)
-    done.say(lit, None, picture.save(image, lit.bands, outputs, tone))
+    view = replace(view, camera=eye)
+    gathered = picture.gather(solution or lit, view, quiet=quiet) if mode == "gather" else None
+    image = picture.render(solution or lit, view, quiet=quiet) if gathered is None else gathered.image
+    done.say(lit, picture.save(image, lit.bands, outputs, tone), gathered=gathered)
     if solution is not None:
         output.demand_accuracy(file, solution.report)
 
@@ -135,7 +138,14 @@ class _Done:
     as_json: bool
     quiet: bool
 
-    def say(self, lit: LitModel | None, traced: PathTraced | None, scale: tuple[float, float] | None) -> None:
+    def say(
+        self,
+        lit: LitModel | None,
+        scale: tuple[float, float] | None,
+        *,
+        traced: PathTraced | None = None,
+        gathered: Gathered | None = None,
+    ) -> None:
         """Tell what was written.
 
         Raises:
@@ -144,13 +154,17 @@ class _Done:
         if self.as_json:
             content = {"scene": self.file, "outputs": self.outputs, "false_colours": scale}
             report = None if lit is None else lit.report
-            effort = {} if traced is None else {"paths": asdict(traced.effort)}
+            effort: dict[str, Any] = {} if traced is None else {"paths": asdict(traced.effort)}
+            if gathered is not None:
+                effort = {"gather": {"noise": gathered.noise, "rays": gathered.rays}}
             output.print_json({**content, "report": report, **effort})
         elif not self.quiet:
             for path in self.outputs:
                 print(f"wrote {path}")
             if scale is not None:
                 print(f"colours from {scale[0]:.4g} to {scale[1]:.4g}")
+            if gathered is not None:
+                print(f"{gathered.rays:,} rays, noise {gathered.noise:.2%} of the mean")
             if traced is not None:
                 e = traced.effort
                 error = f"{e.relative_error:.2%} mean relative standard error"
