@@ -145,8 +145,9 @@ class Gathered:
 
     Attributes:
         image: (height, width, bands) float32, linear.
-        noise: its noise, root mean square over pixels, over its mean, as halves of its samples tell; what the solution
-            is off by comes on top.
+        noise: its noise at most, root mean square over pixels, over its mean, as halves of its samples tell: up to
+            three times what it is where they lie evenly. What the solution is off by comes on top, and what edges are
+            that few points draw.
         rays: all rays, those to lamps included.
     """
 

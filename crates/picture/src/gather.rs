@@ -57,7 +57,8 @@ pub struct Fields<'a> {
 pub struct Gathered {
     /// What is seen.
     pub image: Image,
-    /// Its noise, root mean square over pixels, over its mean; what the solution is off by comes on top.
+    /// Its noise, root mean square over pixels, over its mean; what the solution is off by comes on top, and what edges are
+    /// that few points draw.
     pub noise: f64,
     /// Rays traced.
     pub rays: u64,
@@ -229,8 +230,8 @@ struct Strip {
     excess: [Vec<f32>; 2],
     /// Parts x bands, of the points of either half: what lamps send more than `direct` says, on average.
     direct: [Vec<f32>; 2],
-    /// Pixels x bands, of the points of either half: what is seen but for both.
-    seen: [Vec<f32>; 2],
+    /// Pixels x bands: what is seen but for both.
+    seen: Vec<f32>,
     rays: u64,
 }
 
@@ -416,16 +417,15 @@ impl Gather<'_> {
     fn add_pixel(&self, buffers: &mut Buffers, strip: &mut Strip, pixel: usize, points: &PixelPoints) {
         let (bands, place, first) = (self.bands(), strip.offsets.len(), strip.parts.len());
         strip.offsets.push(first as u32);
-        strip.seen.iter_mut().for_each(|seen| seen.resize((place + 1) * bands, 0.0));
-        let scale = 2.0 / points.looks as f32;
-        for (k, glow) in points.glow.chunks_exact(bands).enumerate() {
-            let half = &mut strip.seen[k % 2][place * bands..];
-            half.iter_mut().zip(glow).for_each(|(sum, g)| *sum += scale * g);
+        strip.seen.resize((place + 1) * bands, 0.0);
+        let scale = 1.0 / points.looks as f32;
+        for glow in points.glow.chunks_exact(bands) {
+            strip.seen[place * bands..].iter_mut().zip(glow).for_each(|(sum, g)| *sum += scale * g);
         }
-        let mut members: Vec<Vec<(usize, Lit)>> = Vec::new();
-        for (k, lit) in points.lit() {
-            let half = &mut strip.seen[k % 2][place * bands..];
-            half.iter_mut().zip(self.eye.emitted(lit.point)).for_each(|(sum, e)| *sum += scale * e);
+        let mut members: Vec<Vec<Lit>> = Vec::new();
+        for (_, lit) in points.lit() {
+            let seen = strip.seen[place * bands..].iter_mut();
+            seen.zip(self.eye.emitted(lit.point)).for_each(|(sum, e)| *sum += scale * e);
             if self.eye.reflects(lit.point) {
                 let part = self.part(lit.point);
                 let known = strip.parts[first..].iter().position(|other| other.is_like(&part));
@@ -434,7 +434,7 @@ impl Gather<'_> {
                     strip.parts.push(part);
                     members.push(Vec::new());
                 }
-                members[index].push((k, lit));
+                members[index].push(lit);
             }
         }
         strip.share.resize(strip.parts.len() * bands, 0.0);
@@ -447,22 +447,22 @@ impl Gather<'_> {
     }
 
     /// Adds what the points of a part show.
-    fn add_part(&self, strip: &mut Strip, (pixel, part): (usize, usize), members: &[(usize, Lit)], scale: f32) {
+    fn add_part(&self, strip: &mut Strip, (pixel, part): (usize, usize), members: &[Lit], scale: f32) {
         let bands = self.bands();
         strip.parts[part].points = members.len() as u32;
-        strip.parts[part].is_lit = members.iter().all(|(_, lit)| lit.direct.iter().any(|&h| h > 0.0));
+        strip.parts[part].is_lit = members.iter().all(|lit| lit.direct.iter().any(|&h| h > 0.0));
         let share = &mut strip.share[part * bands..][..bands];
-        for (k, Lit { point, fields: [field, rest], .. }) in members {
-            share.iter_mut().zip(self.eye.shares(point)).for_each(|(sum, own)| *sum += 0.5 * scale * own);
-            let half = &mut strip.seen[k % 2][pixel * bands..][..bands];
+        for Lit { point, fields: [field, rest], .. } in members {
+            share.iter_mut().zip(self.eye.shares(point)).for_each(|(sum, own)| *sum += scale * own);
+            let seen = &mut strip.seen[pixel * bands..][..bands];
             let arrives = field.iter().zip(*rest).map(|(field, rest)| field + rest);
-            half.iter_mut().zip(self.eye.shares(point).zip(arrives)).for_each(|(sum, (s, h))| *sum += scale * s * h);
+            seen.iter_mut().zip(self.eye.shares(point).zip(arrives)).for_each(|(sum, (s, h))| *sum += scale * s * h);
         }
         for (half, direct) in strip.direct.iter_mut().enumerate() {
             // A single point is both halves.
             let own = members.iter().skip(half % members.len()).step_by(2);
             let (own, sums) = (own.collect::<Vec<_>>(), &mut direct[part * bands..][..bands]);
-            for (_, Lit { direct, fields: [field, _], .. }) in &own {
+            for Lit { direct, fields: [field, _], .. } in &own {
                 let more = direct.iter().zip(*field).map(|(h, field)| (h - field) / own.len() as f32);
                 sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             }
@@ -470,7 +470,7 @@ impl Gather<'_> {
     }
 
     /// Has rays start from the last parts of a strip, which one pixel shows, by the number of points that each has.
-    fn begin(&self, buffers: &mut Buffers, strip: &mut Strip, pixel: usize, members: &[Vec<(usize, Lit)>]) {
+    fn begin(&self, buffers: &mut Buffers, strip: &mut Strip, pixel: usize, members: &[Vec<Lit>]) {
         let first = strip.parts.len() - members.len();
         let total: usize = members.iter().map(Vec::len).sum();
         let mut place = (0..).map(|ray| self.place_in_sequence(pixel, ray));
@@ -478,7 +478,7 @@ impl Gather<'_> {
             let pairs = (self.samples as usize * points.len()).div_ceil(2 * total).max(1);
             strip.parts[first + k].pairs = pairs as u32;
             for (ray, (key, index)) in (0..2 * pairs).zip(&mut place) {
-                let (_, Lit { point, fields: [_, rest], .. }) = points[ray * points.len() / (2 * pairs)];
+                let Lit { point, fields: [_, rest], .. } = points[ray * points.len() / (2 * pairs)];
                 buffers.starts.push(Start { point: point.at, normal: self.eye.normal(point), key, index });
                 buffers.owners.push((first + k) as u32);
                 buffers.expected.extend(rest);
@@ -531,8 +531,8 @@ impl Gather<'_> {
     fn develop_pixel(&self, strips: &VecDeque<Strip>, kernel: &Kernel, (x, y): (usize, usize), sums: &mut [f64]) {
         let bands = self.bands();
         let Some((strip, pixel)) = at(strips, self.width, (x, y)) else { return };
-        for (sums, seen) in sums.chunks_exact_mut(bands).zip(&strip.seen) {
-            sums.iter_mut().zip(&seen[pixel * bands..]).for_each(|(sum, &v)| *sum = f64::from(v));
+        for sums in sums.chunks_exact_mut(bands) {
+            sums.iter_mut().zip(&strip.seen[pixel * bands..]).for_each(|(sum, &v)| *sum = f64::from(v));
         }
         let mut fit = Fit::new(2 * bands);
         for k in strip.parts_of(pixel) {
@@ -801,8 +801,8 @@ impl Strip {
             for half in 0..2 {
                 all.excess[half].extend(&piece.excess[half]);
                 all.direct[half].extend(&piece.direct[half]);
-                all.seen[half].extend(&piece.seen[half]);
             }
+            all.seen.extend(piece.seen);
             all.rays += piece.rays;
         }
         all
