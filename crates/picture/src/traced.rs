@@ -278,7 +278,7 @@ mod tests {
         let (ones, half) = (vec![1.0; 24], vec![0.5; 24]);
         let tracer = Tracer::paths(&enclosure, 1, Exitance::Uniform(ones.clone()), half.clone(), vec![], 1);
         // Beyond what the picture takes in one tile, and seen from outside, through the backs.
-        let (eye, settings) = (camera(DVec3::new(0.2, 0.3, 2.0), 0.4), settings(21, 18, Effort::of_samples(256)));
+        let (eye, settings) = (camera(DVec3::new(0.2, 0.3, 2.0), 0.4), settings(21, 18, Effort::of_samples(1024)));
         let surfaces = Surfaces::Radiance { emission: &ones, reflectance: &half, transmittance: &[] };
         let traced = trace(&tracer, surfaces, &eye, &settings, &Control::default()).unwrap();
         let truth = (2.0 * FRAC_1_PI) as f32;
@@ -292,9 +292,9 @@ mod tests {
             .collect();
         assert!(scores.len() > 200, "{}", scores.len());
         let mean_square = scores.iter().map(|z| z * z).sum::<f32>() / scores.len() as f32;
-        // Of Student's t with seven degrees of freedom it is 7 / 5.
-        assert!((1.0..1.9).contains(&mean_square), "{mean_square}");
-        assert!(traced.rounds.error < 0.03 && traced.rounds.samples == 256 && traced.rays > 21 * 18 * 256);
+        // Of Student's t with fifteen degrees of freedom it is 15 / 13, and paths of few lengths are no normal numbers.
+        assert!((0.85..1.6).contains(&mean_square), "{mean_square}");
+        assert!(traced.rounds.error < 0.02 && traced.rounds.samples == 1024 && traced.rays > 21 * 18 * 1024);
         let irradiance = trace(&tracer, Surfaces::Irradiance, &eye, &settings, &Control::default()).unwrap();
         let lit: Vec<f32> = irradiance.image.pixels.iter().copied().filter(|h| *h > 1.5).collect();
         assert!((lit.iter().sum::<f32>() / lit.len() as f32 - 2.0).abs() < 0.01);
