@@ -153,6 +153,8 @@ def test_a_lit_model_gathers_as_its_solution_does(tmp_path: object) -> None:
     solution.save(path)
     lit = load_lit(path)
     assert lit is not None
+    with pytest.raises(ValueError, match="two-sided surfaces"):
+        radiosity.path_irradiance(lit)
     size = {"width": 40, "height": 40, "samples": 32}
     for mode in ("gather", "path"):
         one, two = render(solution, mode=mode, **size), render(lit, mode=mode, **size)

@@ -161,8 +161,14 @@ def path_irradiance(
 
     Raises:
         SceneError: the scene cannot be lit.
-        ValueError: a number out of its range, or normals that do not fit the points.
+        ValueError: a number out of its range, normals that do not fit the points, or a lit model with two-sided
+            surfaces.
     """
+    if isinstance(scene, LitModel) and any(name.endswith(" (back)") for name, *_ in scene.surfaces):
+        raise ValueError(
+            "this lit model has two-sided surfaces, whose backs it keeps as patches of their own, right behind the "
+            "fronts: give the solution or the scene that it was made of"
+        )
     optics = _optics(scene)
     if (points is None) != (normals is None):
         raise ValueError("points and normals go together")
