@@ -147,14 +147,12 @@ impl<'a> Eye<'a> {
     /// What a point shows if it is of a rough metal: what paint shows, or what is seen by a facet, as it happens; the point
     /// itself elsewhere. What the metal emits and what lamps show in it is added to `glow`, one value a band.
     pub fn by_metal(&self, point: Point, draw: Draw, glow: &mut [f32]) -> Option<Point> {
-        let Surfaces::Radiance { reflectance, emission, .. } = self.surfaces else { return Some(point) };
+        let Surfaces::Radiance { emission, .. } = self.surfaces else { return Some(point) };
         let (side, tracer) = (point.side as usize, self.tracer);
         let Some(metal) = Metal::new(tracer, side, point.at, point.direction.as_dvec3()) else { return Some(point) };
-        let texture = tracer.texture_at(side, point.at);
-        let own = self.of_side(reflectance, point.side);
-        let f0 = |band: usize| texture.map_or_else(|| own[band], |texture| texture.band(band));
+        let f0 = self.reflectance_at(point.side, point.at);
         let mut sums: Vec<f64> = self.emitted(&point).map(f64::from).collect();
-        metal.add_highlights(tracer, f0, f64::from(point.weight), &mut sums);
+        metal.add_highlights(tracer, &f0, f64::from(point.weight), &mut sums);
         let (number, round) = draw;
         if let Some((lamp, weight, way)) = metal.lamp(tracer, number, round) {
             let scale = f64::from(point.weight) * weight * FRAC_1_PI;

@@ -95,20 +95,17 @@ def render(
     lit = source.open_lit(file, unit)
     view = picture.View(width, height, samples, show, mode, None, threads, seed, None, ambient)
     done = _Done(file, outputs, as_json, quiet)
-    if mode == "path":
-        scene = lit or source.open_unlit(file, unit=unit, two_sided=two_sided)
-        eye = picture.aim(scene, picture.choose_camera(scene.cameras, camera, look_from, look_at, fov), fov)
-        with source.naming(file, getattr(scene, "name", "")):
-            traced = picture.trace(scene, replace(view, camera=eye, accuracy=accuracy), quiet=quiet)
-        image = traced.standard_error if show == "error" else traced.image
-        done.say(lit, picture.save(image, scene.bands, outputs, tone), traced=traced)
-        return
     if not view.needs_solution:
         scene = lit or source.open_unlit(file, unit=unit, two_sided=two_sided)
         eye = picture.aim(scene, picture.choose_camera(scene.cameras, camera, look_from, look_at, fov), fov)
+        view = replace(view, camera=eye, accuracy=accuracy)
         with source.naming(file, getattr(scene, "name", "")):
-            image = picture.render(scene, replace(view, camera=eye), quiet=quiet)
-        done.say(lit, picture.save(image, scene.bands, outputs, tone))
+            traced = picture.trace(scene, view, quiet=quiet) if mode == "path" else None
+            if traced is None:
+                image = picture.render(scene, view, quiet=quiet)
+            else:
+                image = traced.standard_error if show == "error" else traced.image
+        done.say(lit, picture.save(image, scene.bands, outputs, tone), traced=traced)
         return
     solution = None
     if lit is None:
